@@ -1,0 +1,190 @@
+#include "boundary/clip.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/curvature.h"
+
+namespace afptraj {
+namespace {
+
+using Piece = std::vector<CurveNode>;
+
+CurveNode node_at(const Piece& piece, std::size_t i, double x, const Uv& uv) {
+  const CurveNode& a = piece[i];
+  const CurveNode& b = piece[i + 1];
+  CurveNode node = a;
+  node.t = a.t + x * (b.t - a.t);
+  node.at.uv = uv;
+  node.duv = cubic(piece, i).derivative(x) / (b.t - a.t);
+  node.kg_per_mm = (1 - x) * a.kg_per_mm + x * b.kg_per_mm;
+  return node;
+}
+
+class Clipper {
+ public:
+  Clipper(const Skin& skin, double least_mm) : skin_(skin), least_mm_(least_mm) {}
+
+  void add(const Piece& piece) {
+    const int face = piece.front().at.face;
+    const TrimRegion& trim = skin_.trim(face);
+    bool inside = starts_inside(trim, piece);
+    if (inside) {
+      current_.emplace_back();
+      push(piece.front());
+    } else {
+      finish();
+    }
+    for (std::size_t i = 0; i + 1 < piece.size(); ++i) {
+      for (const LoopCrossing& hit : trim.crossings(cubic(piece, i))) {
+        const EdgeUse use{face, hit.loop, hit.coedge};
+        if (skin_.edge(use).degenerate || hit.outward != inside) continue;
+        // Out over a shared edge is no end: the next piece goes on there.
+        if (hit.outward && skin_.mate(use)) continue;
+        const CurveNode node = node_at(piece, i, hit.x, hit.uv);
+        if (inside) {
+          push(node);
+          finish();
+        } else {
+          current_.emplace_back();
+          push(node);
+        }
+        inside = !inside;
+      }
+      if (inside) push(piece[i + 1]);
+    }
+  }
+
+  std::vector<SurfaceCurve> take() {
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  static bool starts_inside(const TrimRegion& trim, const Piece& piece) {
+    const UvCubic first = cubic(piece, 0);
+    double x = 1;
+    for (const LoopCrossing& hit : trim.crossings(first))
+      if (hit.x > 1e-7) {
+        x = hit.x;
+        break;
+      }
+    return trim.contains(first.point(0.5 * x));
+  }
+  void push(const CurveNode& node) {
+    if (!current_.back().empty() && node.t - current_.back().back().t < 1e-9) return;
+    current_.back().push_back(node);
+  }
+  void finish() {
+    std::erase_if(current_, [](const Piece& piece) { return piece.size() < 2; });
+    double length = 0;
+    for (const Piece& piece : current_)
+      for (std::size_t i = 0; i + 1 < piece.size() && length < least_mm_; ++i)
+        length += arc_length(skin_, piece, i, 0, 1);
+    if (length >= least_mm_) out_.push_back({std::move(current_), false});
+    current_.clear();
+  }
+
+  const Skin& skin_;
+  double least_mm_;
+  std::vector<Piece> current_;
+  std::vector<SurfaceCurve> out_;
+};
+
+}  // namespace
+
+std::vector<SurfaceCurve> clip_to_skin(const Skin& skin, const SurfaceCurve& curve, double least_mm) {
+  Clipper clipper(skin, least_mm);
+  for (const Piece& piece : curve.pieces) clipper.add(piece);
+  std::vector<SurfaceCurve> out = clipper.take();
+  if (!curve.closed || out.empty()) return out;
+  const bool whole_start = out.front().first() <= curve.first() + 1e-9;
+  const bool whole_end = out.back().last() >= curve.last() - 1e-9;
+  if (out.size() == 1) {
+    out.front().closed = whole_start && whole_end;
+  } else if (whole_start && whole_end) {
+    // The first stretch goes on where the last one ends: join them, with t running on.
+    SurfaceCurve joined = std::move(out.back());
+    out.pop_back();
+    const double shift = curve.last() - curve.first();
+    for (Piece piece : out.front().pieces) {
+      for (CurveNode& node : piece) node.t += shift;
+      joined.pieces.push_back(std::move(piece));
+    }
+    out.front() = std::move(joined);
+  }
+  return out;
+}
+
+double axis_deviation(const Vec3& asked, const Vec3& tangent, const Vec3& normal) {
+  double angle = std::atan2(asked.cross(tangent).dot(normal), asked.dot(tangent));
+  if (angle > pi / 2) angle -= pi;
+  if (angle <= -pi / 2) angle += pi;
+  return angle;
+}
+
+CourseSegment sample_segment(const Skin& skin, const SurfaceCurve& curve, const DirectionField& field) {
+  CourseSegment out;
+  out.closed = curve.closed;
+  double s = 0;
+  for (const auto& piece : curve.pieces)
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      if (i > 0) s += arc_length(skin, piece, i - 1, 0, 1);
+      if (i == 0 && !out.samples.empty()) continue;  // the same point on the next face
+      const CurveNode& node = piece[i];
+      const SurfaceDerivatives d = skin.derivatives(node.at);
+      CourseSample sample;
+      sample.at = node.at;
+      sample.s_mm = s;
+      sample.position = d.S;
+      sample.normal = node.normal_sign * skin.normal(node.at);
+      sample.tangent = uv_to_tangent(d, node.duv).normalized();
+      sample.kn_per_mm = normal_curvature(d, sample.normal, sample.tangent);
+      sample.kg_per_mm = node.kg_per_mm;
+      const AskedDirection asked = field.at(sample.position, sample.normal, sample.tangent);
+      sample.deviation_rad = asked.singular ? 0 : axis_deviation(asked.direction, sample.tangent, sample.normal);
+      out.samples.push_back(sample);
+    }
+  return out;
+}
+
+SurfaceCurve curve_of(const Skin& skin, const CourseSegment& segment) {
+  SurfaceCurve out;
+  out.closed = segment.closed;
+  const auto node_of = [&](const CourseSample& sample, const SurfacePoint& at) {
+    CurveNode node;
+    node.t = sample.s_mm;
+    node.at = at;
+    const SurfaceDerivatives d = skin.derivatives(at);
+    node.duv = tangent_to_uv(d, sample.tangent);
+    node.kg_per_mm = sample.kg_per_mm;
+    node.normal_sign = skin.normal(at).dot(sample.normal) >= 0 ? 1 : -1;
+    return node;
+  };
+  for (std::size_t i = 0; i < segment.samples.size(); ++i) {
+    const CourseSample& sample = segment.samples[i];
+    const CurveNode node = node_of(sample, sample.at);
+    if (out.pieces.empty()) {
+      out.pieces.emplace_back();
+    } else {
+      const CourseSample& before = segment.samples[i - 1];
+      const CurveNode& last = out.pieces.back().back();
+      const Uv off = node.at.uv - last.at.uv - 0.5 * (node.t - last.t) * (node.duv + last.duv);
+      const bool joined = before.at.face == sample.at.face &&
+                          uv_to_tangent(skin.derivatives(sample.at), off).norm() < 0.25 * (node.t - last.t);
+      if (!joined) {
+        // The sample before stands on the edge: find it on this face (or side of the seam).
+        const Surface& surface = skin.face(sample.at.face).surface;
+        const Uv seed = sample.at.uv - (node.t - last.t) * node.duv;
+        const auto foot = foot_point(surface, before.position, seed);
+        out.pieces.emplace_back();
+        out.pieces.back().push_back(node_of(before, {sample.at.face, foot ? *foot : seed}));
+      }
+    }
+    out.pieces.back().push_back(node);
+  }
+  std::erase_if(out.pieces, [](const Piece& piece) { return piece.size() < 2; });
+  return out;
+}
+
+}  // namespace afptraj

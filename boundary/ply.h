@@ -1,0 +1,84 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/types.h"
+
+namespace afptraj {
+
+/// A sample of a course's centre line with its Darboux frame (t, n, b = n x t, left).
+struct CourseSample {
+  SurfacePoint at;
+  double s_mm = 0;  ///< arc length from the start of the segment
+  Vec3 position = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();
+  Vec3 tangent = Vec3::UnitX();
+  double kn_per_mm = 0;      ///< normal curvature, positive toward n
+  double kg_per_mm = 0;      ///< geodesic curvature, positive to the left
+  double deviation_rad = 0;  ///< signed angle from the asked direction to t about n, in (-pi/2, pi/2]
+};
+
+/// A stretch of a course on the skin, from boundary to boundary (or corner, or pole).
+struct CourseSegment {
+  std::vector<CourseSample> samples;
+  bool closed = false;
+  double length_mm() const { return samples.empty() ? 0 : samples.back().s_mm; }
+};
+
+/// One pass of the head: course 0 is the reference, +1, +2 ... lie to its left, -1 ... to its right.
+struct Course {
+  int number = 0;
+  std::vector<CourseSegment> segments;
+  double length_mm() const;
+};
+
+/// A stretch of the skin farther than W/2 from every centre line, and why.
+struct UncoveredSpot {
+  Vec3 where = Vec3::Zero();  ///< the worst point
+  double area_mm2 = 0;
+  double distance_mm = 0;     ///< from the worst point to the nearest centre line
+  std::string reason;
+};
+
+/// Wall time of one stage of planning.
+struct StageTime {
+  std::string stage;
+  double seconds = 0;
+};
+
+/// What was reached, beside the courses themselves.
+struct PlyReport {
+  double band_width_mm = 0;
+  // reference path
+  double reference_length_mm = 0;
+  std::size_t reference_points = 0;
+  double fit_rms_mm = 0, fit_max_mm = 0;
+  double range_doubled_share = 0;  ///< share of steps with no ply point in range at first
+  std::string reference_end[2];    ///< why it ended, backward and forward
+  // feature sections
+  double L1_mm = 0, L2_mm = 0;
+  int N1 = 0, N2 = 0;
+  int courses_left = 0, courses_right = 0;
+  std::string courses_reason;      ///< where laid and computed numbers differ
+  // judged on the result
+  double total_length_mm = 0;
+  double skin_area_mm2 = 0;
+  double covered_share = 0;        ///< of the skin within W/2 of a centre line
+  std::vector<UncoveredSpot> uncovered;
+  double spacing_error_mm = 0;     ///< E_k, greatest over the courses, between output samples
+  double min_steering_radius_mm = 0;
+  double max_deviation_rad = 0;
+  std::vector<std::string> warnings;
+  std::vector<std::string> violations;  ///< limits of the job that do not hold
+  std::vector<StageTime> times;
+};
+
+/// All courses of one orientation, in the order of their numbers.
+struct Ply {
+  std::string name;
+  std::vector<Course> courses;
+  PlyReport report;
+};
+
+}  // namespace afptraj

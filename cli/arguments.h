@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace afptraj::cli {
+
+/// A flag that sets a key of the job: "--step", "planning.step", "2".
+struct JobFlag {
+  std::string flag, key, text;
+};
+
+/// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.
+struct Arguments {
+  enum class Command { none, help, version, run, inspect, doctor };
+  Command command = Command::none;
+  std::string help;  ///< the text to print for `help`
+
+  std::string part, plies, job;
+  std::vector<JobFlag> job_flags;  ///< in the order of the documentation; later ones override nothing
+  int threads = 0;                 ///< 0: all cores
+  double timeout_s = 0;            ///< 0: none
+  double tangent_angle_deg = 5;    ///< inspect
+  bool force = false, strict = false, json = false, quiet = false, verbose = false;
+};
+
+/// Throws Error(usage), naming the nearest command or flag for an unknown one.
+Arguments parse_arguments(int count, const char* const* words);
+
+}  // namespace afptraj::cli

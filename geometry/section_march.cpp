@@ -1,0 +1,124 @@
+#include "geometry/section_march.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "geometry/curvature.h"
+
+namespace afptraj::sections {
+namespace {
+
+/// Sine of the angle between surface and plane below which they count as touching.
+constexpr double touching = 1e-9;
+
+/// Rounding of a height above the plane: a few ulp of the coordinates.
+double rounding(const Vec3& p, const Vec3& origin) {
+  return 4e-16 * (p.cwiseAbs().maxCoeff() + origin.cwiseAbs().maxCoeff()) + 1e-300;
+}
+
+}  // namespace
+
+std::optional<MarchPoint> March::at(int face, const Uv& uv, double sense) const {
+  MarchPoint m;
+  m.face = face;
+  m.uv = uv;
+  m.d = skin_.face(face).surface.derivatives(uv);
+  const Vec3 n = unit_normal(m.d);
+  const Vec3 along = n.cross(plane_.normal);
+  const double sine = along.norm();
+  if (!(sine > touching)) return std::nullopt;
+  m.tangent = (sense / sine) * along;
+  m.velocity = tangent_to_uv(m.d, m.tangent);
+  const double u1 = m.velocity.x(), v1 = m.velocity.y();
+  const Vec3 quadratic = m.d.Suu * (u1 * u1) + m.d.Suv * (2 * u1 * v1) + m.d.Svv * (v1 * v1);
+  // The curvature vector lies in the plane, across the tangent; its part along n is II(t, t).
+  const Vec3 across = plane_.normal.cross(m.tangent);
+  m.bend = across * (quadratic.dot(n) / across.dot(n));
+  m.kappa = m.bend.norm();
+  m.acceleration = tangent_to_uv(m.d, m.bend - quadratic);
+  if (!m.velocity.allFinite() || !m.acceleration.allFinite()) return std::nullopt;
+  return m;
+}
+
+double March::sense_toward(int face, const Uv& uv, const Vec3& heading) const {
+  const Vec3 n = unit_normal(skin_.face(face).surface.derivatives(uv));
+  return n.cross(plane_.normal).dot(heading) >= 0 ? 1 : -1;
+}
+
+std::optional<Uv> March::onto_plane(int face, Uv uv) const {
+  const Surface& surface = skin_.face(face).surface;
+  for (int i = 0; i < 20; ++i) {
+    const SurfaceDerivatives d = surface.derivatives(uv);
+    const double h = height(d.S);
+    if (std::abs(h) <= rounding(d.S, plane_.origin)) return uv;
+    // Straight down the slope of the height on the surface.
+    const Uv slope = tangent_to_uv(d, plane_.normal);
+    const double rate = plane_.normal.dot(uv_to_tangent(d, slope));
+    if (!(rate > touching * touching)) return std::nullopt;
+    const Uv step = slope * (-h / rate);
+    if (!step.allFinite()) return std::nullopt;
+    uv += step;
+    if (step.norm() <= 1e-15 * uv.norm()) return uv;
+  }
+  return std::nullopt;
+}
+
+std::optional<MarchPoint> March::advance(const MarchPoint& from, double h, double sense, const Uv& guess) const {
+  const Surface& surface = skin_.face(from.face).surface;
+  Uv uv = guess;
+  for (int i = 0; i < 12; ++i) {
+    const SurfaceDerivatives d = surface.derivatives(uv);
+    const double e1 = height(d.S);
+    const double e2 = from.tangent.dot(d.S - from.d.S) - h;
+    const double enough = 4 * rounding(d.S, plane_.origin);
+    if (std::abs(e1) <= enough && std::abs(e2) <= enough + 1e-14 * std::abs(h)) {
+      std::optional<MarchPoint> to = at(from.face, uv, sense);
+      // A step that turns by more than 60 degrees has left the branch.
+      if (to && to->tangent.dot(from.tangent) < 0.5) return std::nullopt;
+      return to;
+    }
+    const double a = plane_.normal.dot(d.Su), b = plane_.normal.dot(d.Sv);
+    const double c = from.tangent.dot(d.Su), e = from.tangent.dot(d.Sv);
+    const double det = a * e - b * c;
+    const Uv step((b * e2 - e * e1) / det, (c * e1 - a * e2) / det);
+    if (!step.allFinite()) return std::nullopt;
+    uv += step;
+  }
+  return std::nullopt;
+}
+
+std::optional<March::Step> March::step_to(const MarchPoint& from, const MarchPoint& to, double sense) const {
+  const double h = from.tangent.dot(to.d.S - from.d.S);
+  const double cosine = to.tangent.dot(from.tangent);
+  if (!(h > 0) || !(cosine > 0.5)) return std::nullopt;
+  // ds = dx / (t . t0) with x along the first tangent. Simpson's rule and the trapezoid corrected by
+  // the slopes at its ends have errors -1 : 4, so that (4 S + H) / 5 is of sixth order.
+  const double chord = (to.d.S - from.d.S).norm();
+  const Uv between = 0.5 * (from.uv + to.uv) + (chord / 8) * (from.velocity - to.velocity);
+  const std::optional<MarchPoint> middle = advance(from, 0.5 * h, sense, between);
+  if (!middle) return std::nullopt;
+  const double f1 = 1 / cosine, fm = 1 / middle->tangent.dot(from.tangent);
+  const double slope1 = -to.bend.dot(from.tangent) * f1 * f1 * f1;
+  const double simpson = h / 6 * (1 + 4 * fm + f1);
+  const double hermite = h / 2 * (1 + f1) - h * h / 12 * slope1;
+  Step s{to, (4 * simpson + hermite) / 5, 0, {}};
+  const double turn = h * std::max(from.kappa, to.kappa);
+  const double sharpen = std::min(1.0, 0.25 * turn * turn + h * std::abs((to.bend - from.bend).norm()));
+  s.error = std::abs(simpson - hermite) / 5 * sharpen;
+  s.path = UvCubic::hermite(from.uv, s.length * from.velocity, to.uv, s.length * to.velocity);
+  // The cubic stands for the step where loops are looked for: it must run along the section.
+  const Uv off = s.path.point(0.5) - middle->uv;
+  if (uv_to_tangent(middle->d, off).norm() > 1e-2 * h) return std::nullopt;
+  return s;
+}
+
+std::optional<March::Step> March::step(const MarchPoint& from, double h, double sense) const {
+  const Uv guess = from.uv + h * from.velocity + 0.5 * h * h * from.acceleration;
+  const std::optional<MarchPoint> to = advance(from, h, sense, guess);
+  if (!to) return std::nullopt;
+  return step_to(from, *to, sense);
+}
+
+}  // namespace afptraj::sections

@@ -1,0 +1,122 @@
+#include "io/step/convert_faces.h"
+
+#include <cmath>
+#include <map>
+
+#include <BRep_Tool.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+
+#include "io/step/loop_builder.h"
+#include "io/step/occt.h"
+
+namespace afptraj::step {
+namespace {
+
+/// Numbers of edges; two uses of one edge in the same body share theirs.
+class EdgeBook {
+ public:
+  explicit EdgeBook(std::vector<Edge>& edges) : edges_(edges) {}
+
+  int number(const RawCoedge& coedge, int body) {
+    if (coedge.edge.IsNull() || coedge.degenerate) return add(coedge);
+    Body& known = bodies_[body];
+    const int index = known.edges.Add(coedge.edge);
+    if (index > static_cast<int>(known.numbers.size())) {
+      known.numbers.push_back(add(coedge));
+      known.uses.push_back(1);
+      return known.numbers.back();
+    }
+    if (++known.uses[static_cast<std::size_t>(index - 1)] > 2) {
+      ++crowded_;
+      return add(coedge);
+    }
+    return known.numbers[static_cast<std::size_t>(index - 1)];
+  }
+  int crowded() const { return crowded_; }
+
+ private:
+  struct Body {
+    TopTools_IndexedMapOfShape edges;
+    std::vector<int> numbers, uses;
+  };
+  int add(const RawCoedge& coedge) {
+    edges_.push_back({coedge.degenerate, coedge.tolerance_mm});
+    return static_cast<int>(edges_.size()) - 1;
+  }
+  std::vector<Edge>& edges_;
+  std::map<int, Body> bodies_;
+  int crowded_ = 0;
+};
+
+PlainFace convert_face(const SourceFace& source, EdgeBook& book, std::vector<std::string>& repairs) {
+  const gp_Trsf placement = source.face.Location().Transformation();
+  if (std::abs(std::abs(placement.ScaleFactor()) - 1) > 1e-9) throw Error(ErrorCode::bad_input, "", "its instance is scaled");
+  RawLoops raw = build_loops(source.face);
+  const ConvertedSurface converted = convert_surface(BRep_Tool::Surface(source.face), raw.box);
+  if (converted.error_mm > converted.tolerance_mm) {
+    repairs.push_back("its surface is " + std::to_string(converted.error_mm) + " mm off where 1e-9 mm was asked");
+  }
+  PlainFace face;
+  face.surface = converted.surface;
+  // A mirrored placement turns S_u x S_v but not the mark of the face.
+  face.reversed = (source.face.Orientation() == TopAbs_REVERSED) != static_cast<bool>(placement.IsNegative());
+  face.name = source.name;
+  face.instance = source.instance;
+  face.step_id = source.step_id;
+  face.colour = source.colour;
+  face.body = source.in_solid ? source.group : -1;
+  for (RawLoop& raw_loop : raw.loops) {
+    Loop loop;
+    for (RawCoedge& coedge : raw_loop) {
+      const int edge = book.number(coedge, face.body);
+      loop.coedges.push_back({std::move(coedge.pcurve), coedge.reversed, edge});
+    }
+    face.loops.push_back(std::move(loop));
+  }
+  repairs.insert(repairs.end(), raw.repairs.begin(), raw.repairs.end());
+  return face;
+}
+
+/// Counts what happened to faces; one line a kind of repair, with the first face as an example.
+class RepairLog {
+ public:
+  void add(const std::string& what, const SourceFace& face) {
+    Entry& entry = entries_[what];
+    if (entry.count++ == 0) entry.first = face.step_id > 0 ? "#" + std::to_string(face.step_id) : face.name;
+  }
+  void report(std::vector<std::string>& warnings) const {
+    for (const auto& [what, entry] : entries_) {
+      const std::string more = entry.count > 1 ? " (and " + std::to_string(entry.count - 1) + " more times)" : "";
+      warnings.push_back("face " + entry.first + ": " + what + more);
+    }
+  }
+
+ private:
+  struct Entry {
+    int count = 0;
+    std::string first;
+  };
+  std::map<std::string, Entry> entries_;
+};
+
+}  // namespace
+
+void convert_faces(const std::vector<SourceFace>& faces, PlainModel& model) {
+  EdgeBook book(model.edges);
+  RepairLog log;
+  for (const SourceFace& source : faces) {
+    std::vector<std::string> repairs;
+    try {
+      model.faces.push_back(occt_guard(ErrorCode::bad_input, "", "converting a face", [&] { return convert_face(source, book, repairs); }));
+    } catch (const Error& error) {
+      repairs.assign(1, std::string("left out: ") + error.what());
+    }
+    for (const std::string& repair : repairs) log.add(repair, source);
+  }
+  log.report(model.head.warnings);
+  if (book.crowded() > 0) {
+    model.head.warnings.push_back(std::to_string(book.crowded()) + " uses of edges where more than two faces meet were made free edges");
+  }
+}
+
+}  // namespace afptraj::step

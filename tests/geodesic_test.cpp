@@ -1,0 +1,200 @@
+#include "geometry/geodesic.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "geometry/curvature.h"
+#include "tests/specimens.h"
+
+namespace afptraj {
+namespace {
+
+GeodesicOptions fine() {
+  GeodesicOptions o;
+  o.tolerance_mm = 1e-11;  // the global error over 1 m was 5 to 10 times this
+  return o;
+}
+
+// (G1) The cylinder's geodesics are helices. R1: R 350, 45 degrees.
+TEST(Geodesic, IsAHelixOnACylinder) {
+  const Skin skin = make_skin(Surface::cylinder({}, 350), {0, 2 * pi}, {-1000, 1000});
+  const GeodesicTracer tracer(skin, fine());
+  const double a = pi / 4;
+  const SurfacePoint start{0, Uv(1.0, -500)};
+  const SurfaceDerivatives d = skin.derivatives(start);
+  GeodesicState g = tracer.start(start, std::sin(a) * d.Su.normalized() + std::cos(a) * d.Sv);
+  ASSERT_EQ(tracer.advance(g, 1000), TraceEnd::reached);
+  const double turn = 1.0 + 1000 * std::sin(a) / 350, z = -500 + 1000 * std::cos(a);
+  EXPECT_LT((skin.point(g.at) - Vec3(350 * std::cos(turn), 350 * std::sin(turn), z)).norm(), 1e-9);
+  EXPECT_NEAR(g.y, 1, 1e-12);  // (G4) developable
+}
+
+// (G1) R3: cone of half angle 20 degrees from r = 200 to 500 starting at 45 degrees.
+TEST(Geodesic, IsAStraightLineOfTheUnrolledCone) {
+  const double half = 20 * pi / 180;
+  const Skin skin = make_skin(Surface::cone({}, 200, half), {0, 2 * pi}, {-100, 1200});
+  const GeodesicTracer tracer(skin, fine());
+  const SurfacePoint start{0, Uv(0.5, 0)};
+  const SurfaceDerivatives d = skin.derivatives(start);
+  GeodesicState g = tracer.start(start, (d.Su.normalized() + d.Sv).normalized());
+  ASSERT_EQ(tracer.advance(g, 988.7189), TraceEnd::reached);
+  const Vec3 end = skin.point(g.at);
+  // The reference length has 4 decimals: the radius it reaches is 500 to 1e-4 * sin(20 deg).
+  EXPECT_NEAR(std::hypot(end.x(), end.y()), 500, 5e-5);
+  EXPECT_NEAR((g.at.uv.x() - 0.5) * 180 / pi, 83.533267, 1e-5);
+  // Clairaut exactly: r sin(alpha) is constant.
+  const SurfaceDerivatives e = skin.derivatives(g.at);
+  const double sine = uv_to_tangent(e, g.duv).dot(e.Su.normalized());
+  EXPECT_NEAR(std::hypot(end.x(), end.y()) * sine, 200 * std::sin(pi / 4), 1e-8);
+}
+
+// (G1, G4) Great circles, over the seam and close to the pole; y = cos(s / R).
+TEST(Geodesic, IsAGreatCircleOnASphere) {
+  const double R = 300;
+  const Skin skin = make_skin(Surface::sphere({}, R), {0, 2 * pi}, {-pi / 2, pi / 2});
+  const GeodesicTracer tracer(skin, fine());
+  for (const double tilt : {0.3, 1.2, 1.5, 1.57}) {  // 1.57: passes the pole at 0.24 mm
+    const SurfacePoint start{0, Uv(3.0, 0.0)};
+    const SurfaceDerivatives d = skin.derivatives(start);
+    const Vec3 n = d.S / R;
+    const Vec3 t = std::cos(tilt) * d.Su.normalized() + std::sin(tilt) * d.Sv.normalized();
+    GeodesicState g = tracer.start(start, t);
+    ASSERT_EQ(tracer.advance(g, 1000), TraceEnd::reached) << tilt;
+    const Vec3 expected = R * (std::cos(1000 / R) * n + std::sin(1000 / R) * t);
+    EXPECT_LT((skin.point(g.at) - expected).norm(), 1e-9) << tilt;
+    EXPECT_NEAR(g.y, std::cos(1000 / R), 1e-9) << tilt;
+  }
+}
+
+TEST(Geodesic, CrossesASmoothPoleAndEndsAtAnApex) {
+  const double R = 300;
+  const Skin dome = make_skin(Surface::sphere({}, R), {0, 2 * pi}, {-pi / 2, pi / 2});
+  const GeodesicTracer tracer(dome, fine());
+  const SurfacePoint start{0, Uv(1.0, 1.0)};
+  const SurfaceDerivatives d = dome.derivatives(start);
+  GeodesicState g = tracer.start(start, d.Sv);
+  ASSERT_EQ(tracer.advance(g, 400), TraceEnd::reached);
+  const double latitude = pi - (1.0 + 400 / R);  // down the other side
+  const Vec3 expected(-R * std::cos(latitude) * std::cos(1.0), -R * std::cos(latitude) * std::sin(1.0),
+                      R * std::sin(latitude));
+  EXPECT_LT((dome.point(g.at) - expected).norm(), 1e-8);
+
+  const Skin cone = make_skin(Surface::cone({}, 100, 0.5), {0, 2 * pi}, {-100 / std::sin(0.5), 500});
+  const GeodesicTracer on_cone(cone, fine());
+  const SurfacePoint rim{0, Uv(1.0, 300)};
+  GeodesicState h = on_cone.start(rim, -cone.derivatives(rim).Sv);
+  EXPECT_EQ(on_cone.advance(h, 600), TraceEnd::singular);
+}
+
+// (G1) Clairaut on the torus, many turns; R10: from the outer equator the hole is crossed only
+// below 41.810315 degrees from the meridian.
+TEST(Geodesic, KeepsClairautsConstantOnATorus) {
+  const Skin skin = make_skin(Surface::torus({}, 1000, 200), {0, 2 * pi}, {0, 2 * pi});
+  const GeodesicTracer tracer(skin, fine());
+  for (const double degrees : {41.8, 41.82}) {
+    const double a = degrees * pi / 180;
+    const SurfacePoint start{0, Uv(0.1, 0)};
+    const SurfaceDerivatives d = skin.derivatives(start);
+    const double r0 = std::hypot(d.S.x(), d.S.y());
+    GeodesicState g = tracer.start(start, std::sin(a) * d.Su.normalized() + std::cos(a) * d.Sv.normalized());
+    double least = r0;
+    for (int i = 0; i < 800; ++i) {
+      ASSERT_EQ(tracer.advance(g, 5), TraceEnd::reached);
+      const SurfaceDerivatives e = skin.derivatives(g.at);
+      const double r = std::hypot(e.S.x(), e.S.y());
+      least = std::min(least, r);
+      EXPECT_NEAR(r * uv_to_tangent(e, g.duv).dot(e.Su.normalized()), r0 * std::sin(a), 2e-8);
+    }
+    // 41.82 degrees turn back at r = 1200 sin(41.82 deg) = 800.14; a sample misses r = 800 by < 0.02.
+    EXPECT_EQ(least < 800.05, degrees < 41.81) << least;
+  }
+}
+
+// (G2) Steps are chosen by the tolerance: the local error of DP5 is h^6, so a tolerance 1e3 times
+// smaller must make the end point at least 1e2 times better until round-off.
+TEST(Geodesic, ErrorFollowsTheTolerance) {
+  const Skin skin = make_bumpy_skin();
+  const SurfacePoint start{0, Uv(0.31, 0.22)};
+  const auto end = [&](double tolerance) {
+    GeodesicOptions o;
+    o.tolerance_mm = tolerance;
+    const GeodesicTracer tracer(skin, o);
+    GeodesicState g = tracer.start(start, Vec3(0.6, 0.8, 0));
+    EXPECT_EQ(tracer.advance(g, 400), TraceEnd::reached);
+    return skin.point(g.at);
+  };
+  const Vec3 truth = end(1e-13);
+  const double coarse = (end(1e-5) - truth).norm(), middle = (end(1e-8) - truth).norm();
+  EXPECT_LT(coarse, 1e-3);
+  EXPECT_LT(middle, 1e-6);
+  EXPECT_LT(middle, coarse / 30);
+  EXPECT_LT((end(1e-11) - truth).norm(), 1e-9);
+}
+
+// (G3) There and back, over many knot lines.
+TEST(Geodesic, WalksBackToItsStart) {
+  const Skin skin = make_bumpy_skin();
+  const GeodesicTracer tracer(skin, fine());
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<double> place(0.3, 0.7), angle(0, 2 * pi);
+  for (int i = 0; i < 20; ++i) {
+    const SurfacePoint start{0, Uv(place(rng), place(rng))};
+    const double a = angle(rng);
+    GeodesicState g = tracer.start(start, Vec3(std::cos(a), std::sin(a), 0));
+    const PathFrame first = frame_of(skin, g);
+    ASSERT_EQ(tracer.advance(g, 150), TraceEnd::reached);
+    g.duv = -g.duv;
+    ASSERT_EQ(tracer.advance(g, 150), TraceEnd::reached);
+    const PathFrame last = frame_of(skin, g);
+    EXPECT_LT((last.position - first.position).norm(), 1e-9);
+    EXPECT_LT((last.tangent + first.tangent).norm(), 1e-10);
+  }
+}
+
+// (G4) y is the distance of neighbouring rays: central differences, error O(h^2) = 1e-8 relative.
+TEST(Geodesic, JacobiFieldIsTheDistanceOfNeighbours) {
+  const Skin skin = make_bumpy_skin();
+  const GeodesicTracer tracer(skin, fine());
+  const double h = 1e-3;
+  const auto ray = [&](double shift) {
+    // From the straight (u, v) line v = 0.5, orthogonally; parametrised by u.
+    const double u = 0.47 + shift;
+    const SurfacePoint at{0, Uv(u, 0.5)};
+    const SurfaceDerivatives d = skin.derivatives(at);
+    const Vec3 n = unit_normal(d);
+    const double kg = geodesic_curvature(d, n, Uv(1, 0), Uv(0, 0));
+    GeodesicState g = tracer.start(at, n.cross(d.Su), 1, 1, -kg);
+    EXPECT_EQ(tracer.advance(g, 220), TraceEnd::reached);
+    return g;
+  };
+  const double du = h / 1000;
+  const Vec3 a = skin.point(ray(-du).at), b = skin.point(ray(du).at);
+  const double speed = skin.derivatives({0, Uv(0.47, 0.5)}).Su.norm();
+  EXPECT_NEAR((b - a).norm() / (2 * du * speed), std::abs(ray(0).y), 1e-6);
+}
+
+// Knots of a B-spline cylinder: double knots where S_uu jumps by its own size.
+TEST(Geodesic, CrossesKnotsWithJumpsOfTheSecondDerivative) {
+  const Skin skin = make_skin(nurbs_cylinder(350, 1000), {0, 4}, {0, 1});
+  const GeodesicTracer tracer(skin, fine());
+  const SurfacePoint start{0, Uv(0.3, 0.1)};
+  const SurfaceDerivatives d = skin.derivatives(start);
+  GeodesicState g = tracer.start(start, (d.Su.normalized() + d.Sv.normalized()).normalized());
+  ASSERT_EQ(tracer.advance(g, 1000), TraceEnd::reached);
+  const double turn = std::atan2(d.S.y(), d.S.x()) + 1000 / std::sqrt(2.0) / 350;
+  const Vec3 expected(350 * std::cos(turn), 350 * std::sin(turn), d.S.z() + 1000 / std::sqrt(2.0));
+  EXPECT_LT((skin.point(g.at) - expected).norm(), 1e-9);
+}
+
+// Two planes meeting at a fold: the straightest path keeps its angle to the edge.
+TEST(Geodesic, TurnsAboutAFold) {
+  const Vec3 n1(0, 0, 1), n2 = Vec3(0, -1, 1).normalized();
+  const Vec3 t = turn_across(Vec3(0.6, 0.8, 0), Vec3::UnitX(), n1, n2);
+  EXPECT_NEAR(t.x(), 0.6, 1e-15);
+  EXPECT_LT((t - Vec3(0.6, 0.8 / std::sqrt(2.0), 0.8 / std::sqrt(2.0))).norm(), 1e-15);
+}
+
+}  // namespace
+}  // namespace afptraj

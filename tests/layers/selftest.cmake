@@ -1,0 +1,42 @@
+# Plants breaches in a copy of the tree; each must be found, for its own reason.
+#   cmake -DROOT=<source tree> -DWORK=<scratch directory> -P selftest.cmake
+cmake_minimum_required(VERSION 3.25)
+
+file(REMOVE_RECURSE ${WORK})
+foreach(room geometry trajectory boundary io cli)
+  file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/${room}/*.h ${ROOT}/${room}/*.cpp)
+  foreach(source IN LISTS sources)
+    get_filename_component(folder ${WORK}/${source} DIRECTORY)
+    file(COPY ${ROOT}/${source} DESTINATION ${folder})
+  endforeach()
+endforeach()
+
+function(check expectation text)
+  execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${WORK} -P ${CMAKE_CURRENT_LIST_DIR}/check.cmake
+    RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  string(REGEX REPLACE "[ \n]+" " " output "${output}")
+  if(expectation STREQUAL "holds" AND NOT result EQUAL 0)
+    message(FATAL_ERROR "the clean copy is refused: ${output}")
+  elseif(expectation STREQUAL "breaks" AND (result EQUAL 0 OR NOT output MATCHES "${text}"))
+    message(FATAL_ERROR "expected a breach '${text}', got: ${output}")
+  endif()
+endfunction()
+
+function(plant file line text)
+  file(WRITE ${WORK}/${file} "${line}\n")
+  check(breaks "${text}")
+  file(REMOVE ${WORK}/${file})
+endfunction()
+
+check(holds "")
+plant(geometry/planted.h "#include \"boundary/ply.h\"" "geometry may not see boundary")
+plant(trajectory/planted.cpp "  #  include <boundary/ply.h>" "trajectory may not see boundary")
+plant(boundary/planted.cpp "#include \"io/plies_csv.h\"" "boundary may not see io")
+plant(io/step/planted.h "#include \"io/plies_csv.h\"" "io/step may not see io")
+plant(geometry/planted.h "#include <gp_Pnt.hxx>" "opencascade stays in io/step")
+plant(io/planted.cpp "#include <opencascade/TopoDS.hxx>" "opencascade stays in io/step")
+plant(cli/planted.cpp "#include <STEPControl_Reader.hxx>" "opencascade stays in io/step")
+plant(boundary/planted.cpp "#include <ceres/ceres.h>" "ceres stays in trajectory")
+plant(io/planted.h "#include \"../geometry/surface.h\"" "write the path from the root")
+check(holds "")
+message(STATUS "layers_selftest: every planted breach was found")

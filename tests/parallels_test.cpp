@@ -1,0 +1,175 @@
+#include "trajectory/parallels.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "boundary/clip.h"
+#include "geometry/curvature.h"
+#include "tests/specimens.h"
+
+namespace afptraj {
+namespace {
+
+constexpr double W = 50.8;
+
+/// A straight (u, v) segment as the reference, raised to a cubic so that any length is one piece.
+std::shared_ptr<const SplinePath> uv_line(const Skin& skin, const Uv& a, const Uv& b, bool closed = false) {
+  const SurfaceDerivatives d = skin.derivatives({0, 0.5 * (a + b)});
+  const double length = uv_to_tangent(d, b - a).norm();
+  return std::make_shared<const SplinePath>(
+      skin, std::vector<SplinePath::Piece>{{0, 1, line_segment(a, b, 0, length)}}, closed);
+}
+
+ParallelOptions options_for(const Skin& skin) {
+  ParallelOptions o;
+  o.front.spacing_mm = W;
+  o.front.sample_mm = 4;
+  o.geodesic.tolerance_mm = 1e-10;
+  o.geodesic.outside_limit_mm = skin.diagonal();
+  o.geodesic.margin_mm = W / 2;
+  return o;
+}
+
+template <typename Visit>
+void for_each_midpoint(const Skin& skin, const SurfaceCurve& curve, Visit visit) {
+  for (const auto& piece : curve.pieces)
+    for (std::size_t i = 0; i + 1 < piece.size(); ++i) visit(frame_at(skin, piece, i, 0.5));
+}
+
+/// E_k: the greatest |distance to level k - W| over points of level k + 1 between samples whose
+/// foot on the clipped level k is interior.
+double spacing_error(const Skin& skin, const Parallels& parallels, int* checked = nullptr) {
+  GeodesicOptions fine;
+  fine.tolerance_mm = 1e-12;
+  fine.outside_limit_mm = skin.diagonal();
+  fine.margin_mm = W;
+  const GeodesicTracer tracer(skin, fine);
+  double worst = 0;
+  for (const LevelCurve& level : parallels.levels) {
+    if (level.number == 0) continue;
+    const int parent = level.number > 0 ? level.number - 1 : level.number + 1;
+    LaidCurves laid(skin, W);
+    for (const LevelCurve& other : parallels.levels)
+      if (other.number == parent)
+        for (const SurfaceCurve& c : other.curves)
+          for (SurfaceCurve& s : clip_to_skin(skin, c)) laid.add(std::move(s));
+    for (const SurfaceCurve& curve : level.curves)
+      for (const SurfaceCurve& s : clip_to_skin(skin, curve))
+        for_each_midpoint(skin, s, [&](const CurveFrame& f) {
+          const auto near = laid.rival(tracer, f.frame.position, f.frame.normal, 1.02 * W, -1, 0, 0);
+          if (!near) return;
+          worst = std::max(worst, std::abs(std::abs(near->foot.distance_mm) - W));
+          if (checked) ++*checked;
+        });
+  }
+  return worst;
+}
+
+// R5, R11: on a sphere the parallels of the equator are circles of latitude k W / R, steering R / tan.
+TEST(Parallels, OfTheEquatorAreCirclesOfLatitude) {
+  const double R = 1000;
+  const Skin skin = make_skin(Surface::sphere({}, R), {0, 2 * pi}, {-pi / 2, pi / 2});
+  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0, 0), Uv(2 * pi, 0), true), options_for(skin));
+  // The pole lies pi R / 2 = 30.92 W away: 30 circles on each side.
+  ASSERT_EQ(p.levels.size(), 61u);
+  for (const LevelCurve& level : p.levels) {
+    const double latitude = level.number * W / R;
+    ASSERT_EQ(level.curves.size(), 1u) << level.number;
+    EXPECT_TRUE(level.curves[0].closed);
+    double length = 0;
+    for (const auto& piece : level.curves[0].pieces)
+      for (std::size_t i = 0; i + 1 < piece.size(); ++i) length += arc_length(skin, piece, i, 0, 1);
+    EXPECT_NEAR(length, 2 * pi * R * std::cos(latitude), 1e-6) << level.number;
+    for_each_midpoint(skin, level.curves[0], [&](const CurveFrame& f) {
+      EXPECT_NEAR(R * std::asin(f.frame.position.z() / R), level.number * W, 1e-6);
+      EXPECT_NEAR(f.kg_per_mm, std::tan(latitude) / R, 1e-9);
+    });
+  }
+  const double steering = 1 / std::abs(p.levels[40].curves[0].pieces[0][5].kg_per_mm);
+  EXPECT_NEAR(steering, 1796.184, 5e-4);  // 508 mm from the equator, cases.md R5
+}
+
+// R1: cylinder R 350, L 1000, courses at 45 degrees: helices; 30.6104 bands go round.
+TEST(Parallels, OfAHelixAreHelicesAndMeetBehind) {
+  const double R = 350, L = 1000;
+  const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, L});
+  const double turn = L / R;  // 45 degrees
+  const auto helix = std::make_shared<const SplinePath>(
+      skin, std::vector<SplinePath::Piece>{{0, 1, line_segment(Uv(1, 0), Uv(1 + turn, L), 0, L * std::sqrt(2.0))}}, false);
+  const Parallels p = geodesic_parallels(skin, helix, options_for(skin));
+  int left = 0, right = 0;
+  for (const LevelCurve& level : p.levels) {
+    double length = 0;
+    for (const SurfaceCurve& curve : level.curves)
+      for (const SurfaceCurve& s : clip_to_skin(skin, curve)) {
+        for (const auto& piece : s.pieces)
+          for (std::size_t i = 0; i + 1 < piece.size(); ++i) length += arc_length(skin, piece, i, 0, 1);
+        for_each_midpoint(skin, s, [&](const CurveFrame& f) {
+          EXPECT_NEAR(f.frame.tangent.z(), std::sqrt(0.5), 1e-8);
+          // Helices at 45 degrees: phi R - z is constant along each, and grows by W sqrt 2 a course.
+          const double phase = f.frame.position.z() - R * std::atan2(f.frame.position.y(), f.frame.position.x()) + R;
+          const double off = std::remainder(phase - level.number * W * std::sqrt(2.0), 2 * pi * R);
+          EXPECT_NEAR(off, 0, 1e-6) << level.number;
+        });
+      }
+    if (length == 0) continue;  // beyond the rims only
+    left = std::max(left, level.number);
+    right = std::max(right, -level.number);
+    EXPECT_NEAR(length, L * std::sqrt(2.0), 1e-6) << level.number;
+  }
+  // 2 pi R / (W sqrt 2) = 30.6104 bands: the fronts meet at 15.305 W, so 15 on each side.
+  EXPECT_EQ(left, 15);
+  EXPECT_EQ(right, 15);
+}
+
+// Offsets of a line on developables are lines; the corner that no ray reaches is filled by the
+// extension of each course, at the same spacing.
+TEST(Parallels, FillTheCornersOfAPlate) {
+  const Skin skin = make_skin(Surface::plane({}), {0, 1000}, {0, 600});
+  const auto line = uv_line(skin, Uv(300, 0), Uv(900, 600));
+  for (const double outside : {0.0, skin.diagonal()}) {  // with and without the extended plane
+    ParallelOptions o = options_for(skin);
+    o.geodesic.outside_limit_mm = outside;
+    const Parallels p = geodesic_parallels(skin, line, o);
+    double total = 0;
+    for (const LevelCurve& level : p.levels)
+      for (const SurfaceCurve& curve : level.curves)
+        for (const SurfaceCurve& s : clip_to_skin(skin, curve)) {
+          for_each_midpoint(skin, s, [&](const CurveFrame& f) {
+            const Vec3& x = f.frame.position;
+            EXPECT_NEAR((x.y() - x.x() + 300) / std::sqrt(2.0), level.number * W, 1e-7);
+          });
+          for (const auto& piece : s.pieces)
+            for (std::size_t i = 0; i + 1 < piece.size(); ++i) total += arc_length(skin, piece, i, 0, 1);
+        }
+    // Every 45 degree line of the rectangle at the spacing W: lengths in closed form.
+    double expected = 0;
+    for (int k = -20; k <= 20; ++k) {
+      const double c = k * W * std::sqrt(2.0) - 300;  // y = x + c
+      const double x0 = std::max(0.0, -c), x1 = std::min(1000.0, 600 - c);
+      if (x1 > x0) expected += (x1 - x0) * std::sqrt(2.0);
+    }
+    EXPECT_NEAR(total, expected, 1e-5) << outside;
+  }
+}
+
+TEST(Parallels, KeepTheirDistanceOnAGentlePanel) {
+  const Skin skin = make_skin(gentle_surface(), {0, 1}, {0, 1});
+  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0.25, 0), Uv(0.8, 1)), options_for(skin));
+  int checked = 0;
+  EXPECT_LT(spacing_error(skin, p, &checked), 1e-4);
+  EXPECT_GT(checked, 2000);
+}
+
+// Fronts fold here: each must end where it meets another, and what is left keeps its distance.
+TEST(Parallels, FollowTheTrueDistanceWhereFrontsFold) {
+  const Skin skin = make_bumpy_skin();
+  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0, 0.5), Uv(1, 0.45)), options_for(skin));
+  int checked = 0;
+  EXPECT_LT(spacing_error(skin, p, &checked), 1e-3);
+  EXPECT_GT(checked, 2000);
+}
+
+}  // namespace
+}  // namespace afptraj

@@ -1,0 +1,350 @@
+#include "trajectory/front.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "geometry/curvature.h"
+
+namespace afptraj {
+namespace {
+
+constexpr double end_tolerance_mm = 1e-7;  // how closely the end of a strand is located
+
+double chord(const Skin& skin, const Ray& a, const Ray& b) {
+  return (skin.point(a.state.at) - skin.point(b.state.at)).norm();
+}
+
+template <typename Body>
+void for_each_index(std::size_t count, Body body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+  });
+}
+
+/// Splits rays into the runs whose flag is set; `trim(first, last, run)` finishes each.
+template <typename Finish>
+void split(const std::vector<char>& keep, Finish finish) {
+  std::size_t i = 0;
+  while (i < keep.size()) {
+    if (!keep[i]) {
+      ++i;
+      continue;
+    }
+    std::size_t j = i;
+    while (j + 1 < keep.size() && keep[j + 1]) ++j;
+    finish(i, j);
+    i = j + 1;
+  }
+}
+
+}  // namespace
+
+CurveNode level_node(const Skin& skin, const SourceCurve& source, const Ray& ray, int side) {
+  CurveNode node;
+  node.t = ray.t;
+  node.at = ray.state.at;
+  node.normal_sign = ray.state.normal_sign;
+  const SurfaceDerivatives d = skin.derivatives(node.at);
+  const PathFrame frame = frame_of(skin, ray.state);
+  // The ray points along side * b, so the level curve runs along side * (ray x n).
+  const Vec3 tangent = side * frame.tangent.cross(frame.normal);
+  node.duv = ray.state.y * source.at(ray.t).speed * tangent_to_uv(d, tangent);
+  node.kg_per_mm = ray.state.y != 0 ? -side * ray.state.dy / ray.state.y : 0;
+  return node;
+}
+
+bool same_chart(const Skin& skin, const CurveNode& a, const CurveNode& b) {
+  if (a.at.face != b.at.face || a.normal_sign != b.normal_sign) return false;
+  const Uv miss = b.at.uv - a.at.uv - 0.5 * (b.t - a.t) * (a.duv + b.duv);
+  const SurfaceDerivatives d = skin.derivatives(a.at);
+  const SurfaceDerivatives e = skin.derivatives(b.at);
+  const double off = std::min(uv_to_tangent(d, miss).norm(), uv_to_tangent(e, miss).norm());
+  return off <= 0.25 * (d.S - e.S).norm() + 1e-9;
+}
+
+Front::Front(const GeodesicTracer& tracer, int side, const FrontOptions& options)
+    : tracer_(&tracer), side_(side), options_(options) {}
+
+int Front::add_source(std::shared_ptr<const SourceCurve> curve, int birth) {
+  sources_.push_back({std::move(curve), birth});
+  return static_cast<int>(sources_.size()) - 1;
+}
+
+Ray Front::shoot(int source, double t, int level, bool* alive) const {
+  const FrontSource& from = sources_[static_cast<std::size_t>(source)];
+  const SourceCurve::Frame frame = from.curve->at(t);
+  Ray ray;
+  ray.t = t;
+  ray.state = tracer_->start(frame.at, side_ * frame.frame.left(), frame.normal_sign, 1, -side_ * frame.kg_per_mm,
+                             frame.outside);
+  ray.state.in_hole = frame.in_hole;
+  const double length = (level - from.birth) * options_.spacing_mm;
+  const bool reached = length <= 0 || tracer_->advance(ray.state, length) == TraceEnd::reached;
+  if (alive) *alive = reached;
+  return ray;
+}
+
+void Front::refine_level_zero() {
+  for (Strand& strand : strands_) refine(strand, 0);
+}
+
+void Front::mirror(const Front& other) {
+  sources_ = other.sources_;
+  strands_ = other.strands_;
+  for (Strand& strand : strands_)
+    for (Ray& ray : strand.rays) ray = shoot(strand.source, ray.t, 0, nullptr);
+}
+
+void Front::advance(int level, const LaidCurves& laid) {
+  std::vector<Strand> next;
+  for (Strand& strand : strands_) {
+    std::vector<char> alive(strand.rays.size());
+    for_each_index(strand.rays.size(), [&](std::size_t i) {
+      alive[i] = tracer_->advance(strand.rays[i].state, options_.spacing_mm) == TraceEnd::reached;
+    });
+    for (Strand& run : alive_runs(strand, alive, level)) {
+      refine(run, level);
+      for (Strand& kept : valid_runs(run, level, laid)) {
+        refine(kept, level);  // a new end may stand close to a cusp
+        next.push_back(std::move(kept));
+      }
+    }
+  }
+  strands_ = std::move(next);
+  settle_links();
+}
+
+/// Runs of rays still on the skin; each new end is moved to the last ray that is.
+std::vector<Strand> Front::alive_runs(const Strand& strand, const std::vector<char>& alive, int level) const {
+  std::vector<Strand> out;
+  split(alive, [&](std::size_t first, std::size_t last) {
+    Strand run = strand;
+    run.rays.assign(strand.rays.begin() + static_cast<std::ptrdiff_t>(first),
+                    strand.rays.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    const auto find_end = [&](const Ray& in, double out_t) {
+      double a = in.t, b = out_t;
+      Ray best = in;
+      for (int i = 0; i < 40 && std::abs(b - a) > 1e-4; ++i) {
+        bool ok = false;
+        const Ray mid = shoot(strand.source, 0.5 * (a + b), level, &ok);
+        if (ok) {
+          best = mid;
+          a = mid.t;
+        } else {
+          b = 0.5 * (a + b);
+        }
+      }
+      return best;
+    };
+    if (first > 0) {
+      run.end[0] = StrandEnd::open;
+      run.link[0] = -1;
+      const Ray end = find_end(strand.rays[first], strand.rays[first - 1].t);
+      if (end.t < run.rays.front().t) run.rays.insert(run.rays.begin(), end);
+    }
+    if (last + 1 < strand.rays.size()) {
+      run.end[1] = StrandEnd::open;
+      run.link[1] = -1;
+      const Ray end = find_end(strand.rays[last], strand.rays[last + 1].t);
+      if (end.t > run.rays.back().t) run.rays.push_back(end);
+    }
+    if (run.rays.size() >= 2) out.push_back(std::move(run));
+  });
+  return out;
+}
+
+/// Adds rays where neighbours part or the cubic between them would miss the level curve, and drops
+/// rays that have come too close together.
+void Front::refine(Strand& strand, int level) const {
+  const Skin& skin = tracer_->skin();
+  const SourceCurve& source = *sources_[static_cast<std::size_t>(strand.source)].curve;
+  {
+    std::vector<Ray> thinned;
+    for (std::size_t i = 0; i < strand.rays.size(); ++i) {
+      const bool end = i == 0 || i + 1 == strand.rays.size();
+      // Half the spacing on either side keeps the sum below the greatest spacing.
+      if (!end && chord(skin, thinned.back(), strand.rays[i]) < 0.25 * options_.sample_mm &&
+          chord(skin, thinned.back(), strand.rays[i + 1]) < 0.5 * options_.sample_mm)
+        continue;
+      thinned.push_back(strand.rays[i]);
+    }
+    strand.rays = std::move(thinned);
+  }
+  for (int round = 0; round < 10; ++round) {
+    const std::size_t n = strand.rays.size();
+    std::vector<CurveNode> nodes(n);
+    for_each_index(n, [&](std::size_t i) { nodes[i] = level_node(skin, source, strand.rays[i], side_); });
+    std::vector<char> halve(n, 0);  // the gap after ray i
+    std::vector<char> joined(n, 0);
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      joined[i] = same_chart(skin, nodes[i], nodes[i + 1]);
+      const double length = chord(skin, strand.rays[i], strand.rays[i + 1]);
+      if (length > 1.5 * options_.sample_mm) halve[i] = 1;
+      // At a cusp (a focal point) neighbours on one chart do not join smoothly until they are close.
+      if (!joined[i] && nodes[i].at.face == nodes[i + 1].at.face &&
+          uv_to_tangent(skin.derivatives(nodes[i].at), nodes[i + 1].at.uv - nodes[i].at.uv).norm() < 2 * length)
+        halve[i] = 1;
+    }
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+      if (!joined[i - 1] || !joined[i]) continue;
+      const double h1 = nodes[i].t - nodes[i - 1].t, h2 = nodes[i + 1].t - nodes[i].t;
+      if (!(h1 > 1e-9 && h2 > 1e-9)) continue;
+      const std::vector<CurveNode> wide = {nodes[i - 1], nodes[i + 1]};
+      const Uv miss = cubic(wide, 0).point(h1 / (h1 + h2)) - nodes[i].at.uv;
+      const double error = uv_to_tangent(skin.derivatives(nodes[i].at), miss).norm();
+      // The cubic's error at x is f'''' x^2 (h - x)^2 / 24; in the middle of a gap h^4 / 384.
+      if (error * h1 * h1 / (16 * h2 * h2) > options_.hermite_tolerance_mm) halve[i - 1] = 1;
+      if (error * h2 * h2 / (16 * h1 * h1) > options_.hermite_tolerance_mm) halve[i] = 1;
+    }
+    std::vector<std::size_t> gaps;
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+      // Near a focal point rays crowd together in space but not in t: only t bounds the halving.
+      if (halve[i] && strand.rays[i + 1].t - strand.rays[i].t > 1e-3) gaps.push_back(i);
+    }
+    if (gaps.empty()) break;
+    std::vector<Ray> mids(gaps.size());
+    std::vector<char> ok(gaps.size());
+    for_each_index(gaps.size(), [&](std::size_t g) {
+      bool alive = false;
+      mids[g] = shoot(strand.source, 0.5 * (strand.rays[gaps[g]].t + strand.rays[gaps[g] + 1].t), level, &alive);
+      ok[g] = alive;
+    });
+    std::vector<Ray> merged;
+    merged.reserve(n + gaps.size());
+    std::size_t g = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      merged.push_back(strand.rays[i]);
+      if (g < gaps.size() && gaps[g] == i) {
+        if (ok[g]) merged.push_back(mids[g]);
+        ++g;
+      }
+    }
+    if (merged.size() == n) break;
+    strand.rays = std::move(merged);
+  }
+}
+
+bool Front::is_valid(const Ray& ray, const Strand& strand, const LaidCurves& laid) const {
+  if (ray.state.y <= 0) return false;  // beyond the focal point
+  const PathFrame frame = frame_of(tracer_->skin(), ray.state);
+  const double own_reach = 1.5 * options_.sample_mm;
+  return !laid.rival(*tracer_, frame.position, frame.normal, options_.spacing_mm - options_.validity_tolerance_mm,
+                     strand.parent, ray.t + strand.parent_offset, own_reach);
+}
+
+/// Runs of rays that no other curve reaches sooner; each new end is moved to where the fronts meet.
+std::vector<Strand> Front::valid_runs(const Strand& strand, int level, const LaidCurves& laid) const {
+  std::vector<char> valid(strand.rays.size());
+  for_each_index(strand.rays.size(), [&](std::size_t i) { valid[i] = is_valid(strand.rays[i], strand, laid); });
+  std::vector<Strand> out;
+  split(valid, [&](std::size_t first, std::size_t last) {
+    Strand run = strand;
+    run.rays.assign(strand.rays.begin() + static_cast<std::ptrdiff_t>(first),
+                    strand.rays.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    const auto find_meeting = [&](const Ray& in, const Ray& beyond) {
+      Ray a = in, b = beyond;
+      for (int i = 0; i < 60 && chord(tracer_->skin(), a, b) > end_tolerance_mm; ++i) {
+        bool alive = false;
+        const Ray mid = shoot(strand.source, 0.5 * (a.t + b.t), level, &alive);
+        if (mid.t == a.t || mid.t == b.t) break;
+        (alive && is_valid(mid, strand, laid) ? a : b) = mid;
+      }
+      return a;
+    };
+    if (first > 0) {
+      run.end[0] = StrandEnd::corner;
+      run.link[0] = -1;
+      const Ray end = find_meeting(strand.rays[first], strand.rays[first - 1]);
+      if (end.t < run.rays.front().t) run.rays.insert(run.rays.begin(), end);
+    }
+    if (last + 1 < strand.rays.size()) {
+      run.end[1] = StrandEnd::corner;
+      run.link[1] = -1;
+      const Ray end = find_meeting(strand.rays[last], strand.rays[last + 1]);
+      if (end.t > run.rays.back().t) run.rays.push_back(end);
+    }
+    if (run.rays.size() >= 2) out.push_back(std::move(run));
+  });
+  return out;
+}
+
+/// A link holds only while both of its ends do.
+void Front::settle_links() {
+  for (std::size_t i = 0; i < strands_.size(); ++i)
+    for (int e = 0; e < 2; ++e) {
+      if (strands_[i].end[e] != StrandEnd::linked) continue;
+      bool partner = false;
+      for (std::size_t j = 0; j < strands_.size() && !partner; ++j)
+        for (int f = 0; f < 2 && !partner; ++f)
+          partner = (i != j || e != f) && strands_[j].end[f] == StrandEnd::linked &&
+                    strands_[j].link[f] == strands_[i].link[e];
+      if (!partner) strands_[i].end[e] = StrandEnd::open;
+    }
+}
+
+void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link) {
+  const Skin& skin = tracer_->skin();
+  const std::size_t count = strands_.size();
+  for (std::size_t i = 0; i < count; ++i)
+    for (int e = 0; e < 2; ++e) {
+      if (strands_[i].end[e] != StrandEnd::open) continue;
+      const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
+      if (end.state.outside) continue;
+      const PathFrame frame = frame_of(skin, end.state);
+      const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
+      const Vec3 ahead = e == 0 ? Vec3(-level_tangent) : level_tangent;
+      GeodesicState g = tracer_->start(end.state.at, ahead, end.state.normal_sign);
+      std::vector<GeodesicState> states = {g};
+      const double step = std::min(options_.extension_step_mm, options_.sample_mm);
+      bool met = false;
+      while (g.s_mm < options_.max_extension_mm) {
+        const TraceEnd walked = tracer_->advance(g, step);
+        if (walked != TraceEnd::reached) break;
+        const PathFrame at = frame_of(skin, g);
+        const double near = 0.9 * options_.spacing_mm;
+        if (laid.abreast(at.position, at.normal, at.tangent, near, 0.75 * step + options_.sample_mm) ||
+            (g.s_mm > 2 * step &&
+             current.abreast(at.position, at.normal, at.tangent, 0.5 * options_.spacing_mm, 0.75 * options_.sample_mm))) {
+          met = true;
+          break;
+        }
+        states.push_back(g);
+        if (g.outside && !g.in_hole && g.outside_mm > 2 * step && skin.faces().size() > 1) break;
+      }
+      if (states.size() < 2) {
+        // Shorter than a step: the end stands at the boundary to within that step.
+        bool found = false;
+        for (double part = 0.5 * step; part > 1e-6 && !found && !met; part *= 0.5) {
+          GeodesicState h = states.front();
+          if (tracer_->advance(h, part) == TraceEnd::reached) {
+            states.push_back(h);
+            found = true;
+          }
+        }
+        if (!found) {
+          strands_[i].end[e] = met ? StrandEnd::corner : StrandEnd::open;
+          continue;
+        }
+      }
+      const bool backward = e == 0;
+      Strand extension;
+      extension.source =
+          add_source(std::make_shared<GeodesicPath>(*tracer_, states, backward), level);
+      for (const GeodesicState& s : states) {
+        const double t = backward ? -s.s_mm : s.s_mm;
+        extension.rays.push_back(shoot(extension.source, t, level, nullptr));
+      }
+      if (backward) std::reverse(extension.rays.begin(), extension.rays.end());
+      extension.end[backward ? 1 : 0] = StrandEnd::linked;
+      extension.end[backward ? 0 : 1] = met ? StrandEnd::corner : StrandEnd::open;
+      extension.link[backward ? 1 : 0] = next_link;
+      strands_[i].end[e] = StrandEnd::linked;
+      strands_[i].link[e] = next_link++;
+      strands_.push_back(std::move(extension));
+    }
+}
+
+}  // namespace afptraj

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "trajectory/laid_curves.h"
+#include "trajectory/source_curve.h"
+
+namespace afptraj {
+
+/// How the rays of a front are spaced, and what the level curves must hold.
+struct FrontOptions {
+  double spacing_mm = 50.8;            ///< W, between levels
+  double sample_mm = 4;                ///< greatest distance of neighbouring rays
+  double hermite_tolerance_mm = 1e-5;  ///< estimated error of the cubic between rays
+  double extension_step_mm = 5;
+  double max_extension_mm = 1e6;
+  double validity_tolerance_mm = 1e-6; ///< a point is kept if no curve is nearer than W minus this
+};
+
+/// A geodesic shot at a right angle from parameter `t` of a source curve.
+struct Ray {
+  double t = 0;
+  GeodesicState state;
+};
+
+/// Why a strand ends where it does.
+enum class StrandEnd {
+  open,    ///< the rays beyond left the skin
+  corner,  ///< the rays beyond are nearer to another curve: two fronts meet here
+  linked,  ///< the next strand goes on here, from another source
+};
+
+/// A run of neighbouring rays of one source.
+struct Strand {
+  int source = 0;
+  std::vector<Ray> rays;
+  StrandEnd end[2] = {StrandEnd::open, StrandEnd::open};
+  int link[2] = {-1, -1};    ///< same number: linked ends
+  int parent = -1;           ///< laid curve of the level before ...
+  double parent_offset = 0;  ///< ... and how its parameter follows from a ray's: t + offset
+};
+
+/// A source curve and the level it belongs to: its rays have walked (level - birth) W.
+struct FrontSource {
+  std::shared_ptr<const SourceCurve> curve;
+  int birth = 0;
+};
+
+/// One side of a family of geodesic parallels: the rays, level by level.
+///
+/// At each level: all rays walk W; those that leave the skin end, and the front ends there exactly;
+/// rays are added where neighbours part; rays nearer to another curve of the level before than W
+/// are dropped (by the triangle inequality this is exact: a shortest path to p crosses that level at
+/// a kept point), and the front ends at the point where two fronts meet. Where an end lies inside
+/// the skin because the level before ended at a boundary, the level curve goes on along its own
+/// geodesic, which becomes a source of rays itself.
+class Front {
+ public:
+  /// `side` +1: left of the sources, -1: right.
+  Front(const GeodesicTracer& tracer, int side, const FrontOptions& options);
+
+  int side() const { return side_; }
+  const std::vector<Strand>& strands() const { return strands_; }
+  std::vector<Strand>& strands() { return strands_; }
+  const FrontSource& source(int index) const { return sources_[static_cast<std::size_t>(index)]; }
+  bool empty() const { return strands_.empty(); }
+
+  int add_source(std::shared_ptr<const SourceCurve> curve, int birth);
+  void add_strand(Strand strand) { strands_.push_back(std::move(strand)); }
+
+  /// The ray from parameter t of a source, walked up to `level`; `alive` is false if it left the skin.
+  Ray shoot(int source, double t, int level, bool* alive) const;
+
+  /// Refines the strands of level 0 like those of any level.
+  void refine_level_zero();
+
+  /// Takes over the sources and strands of level 0 of the other side: the same places, rays turned round.
+  void mirror(const Front& other);
+
+  /// Walks all rays from `level` - 1 to `level` and trims the front.
+  void advance(int level, const LaidCurves& laid);
+
+  /// Goes on past the open ends inside the skin; `laid` holds the lower levels, `current` the
+  /// curves of this level on both sides.
+  void extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link);
+
+ private:
+  std::vector<Strand> alive_runs(const Strand& strand, const std::vector<char>& alive, int level) const;
+  std::vector<Strand> valid_runs(const Strand& strand, int level, const LaidCurves& laid) const;
+  void refine(Strand& strand, int level) const;
+  bool is_valid(const Ray& ray, const Strand& strand, const LaidCurves& laid) const;
+  void settle_links();
+
+  const GeodesicTracer* tracer_;
+  int side_;
+  FrontOptions options_;
+  std::vector<FrontSource> sources_;
+  std::vector<Strand> strands_;
+};
+
+/// The node of a level curve at a ray: tangent and speed by Gauss's lemma and the Jacobi field.
+CurveNode level_node(const Skin& skin, const SourceCurve& source, const Ray& ray, int side);
+
+/// Whether two neighbouring nodes lie on one chart with a smooth cubic between them.
+bool same_chart(const Skin& skin, const CurveNode& a, const CurveNode& b);
+
+}  // namespace afptraj

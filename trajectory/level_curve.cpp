@@ -1,0 +1,183 @@
+#include "trajectory/level_curve.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/curvature.h"
+
+namespace afptraj {
+namespace {
+
+constexpr double bracket_mm = 1e-3;  // how closely two rays enclose a passage before it is solved
+
+class CurveBuilder {
+ public:
+  CurveBuilder(const GeodesicTracer& tracer, const Front& front, int level)
+      : skin_(tracer.skin()), front_(front), level_(level) {}
+
+  void begin_strand(int source, double offset) {
+    source_ = source;
+    offset_ = offset;
+  }
+
+  void add(const Ray& ray) {
+    const CurveNode node = node_of(ray);
+    if (!curve_.pieces.empty()) {
+      const CurveNode& last = curve_.pieces.back().back();
+      if (node.t - last.t < 1e-9) return;  // the same ray again where strands join
+      if (!same_chart(skin_, last, node)) pass_over(last_ray_, ray, 0);
+    } else {
+      curve_.pieces.emplace_back();
+    }
+    push(node);
+    last_ray_ = ray;
+    last_source_ = source_;
+  }
+
+  SurfaceCurve take(bool closed) {
+    std::erase_if(curve_.pieces, [](const auto& piece) { return piece.size() < 2; });
+    curve_.closed = closed;
+    return std::move(curve_);
+  }
+
+ private:
+  CurveNode node_of(const Ray& ray) const {
+    CurveNode node = level_node(skin_, *front_.source(source_).curve, ray, front_.side());
+    node.t += offset_;
+    return node;
+  }
+  void push(const CurveNode& node) { curve_.pieces.back().push_back(node); }
+
+  /// From ray `a` (whose node is in place) to ray `b` over one or more passages.
+  void pass_over(const Ray& from, const Ray& to, int depth) {
+    Ray a = from, b = to;
+    if (last_source_ != source_) a.t = to.t;  // strands join at one point: nothing lies between
+    for (int i = 0; i < 60; ++i) {
+      const CurveNode na = node_of(a), nb = node_of(b);
+      if ((skin_.point(na.at) - skin_.point(nb.at)).norm() < bracket_mm || b.t - a.t < 1e-9) break;
+      bool alive = false;
+      const Ray mid = front_.shoot(source_, 0.5 * (a.t + b.t), level_, &alive);
+      if (!alive) break;
+      const CurveNode nm = node_of(mid);
+      const bool joins_a = same_chart(skin_, na, nm), joins_b = same_chart(skin_, nm, nb);
+      if (joins_a) {
+        a = mid;
+        if (joins_b) break;
+      } else if (joins_b) {
+        b = mid;
+      } else if (depth < 6) {  // a third chart lies between
+        pass_over(a, mid, depth + 1);
+        push_if_later(nm);
+        pass_over(mid, b, depth + 1);
+        return;
+      } else {
+        break;
+      }
+    }
+    push_if_later(node_of(a));
+    if (same_chart(skin_, node_of(a), node_of(b))) return;
+    join(node_of(a), node_of(b));
+    push_if_later(node_of(b));
+  }
+
+  void push_if_later(const CurveNode& node) {
+    if (curve_.pieces.back().empty() || node.t - curve_.pieces.back().back().t > 1e-9) push(node);
+  }
+
+  /// Ends the piece of `a` on the edge between a and b, and begins the piece of `b` there.
+  void join(const CurveNode& a, const CurveNode& b) {
+    CurveNode out = a, in = b;
+    const double gap = std::max(b.t - a.t, 1e-9);
+    const UvCubic ahead = UvCubic::line(a.at.uv, a.at.uv + 2 * gap * a.duv);
+    const auto hit = skin_.trim(a.at.face).first_crossing(ahead, true);
+    bool solved = false;
+    if (hit) {
+      const EdgeUse use{a.at.face, hit->loop, hit->coedge};
+      const auto mate = skin_.mate(use);
+      if (mate && mate->face == b.at.face) {
+        out.at.uv = hit->uv;
+        out.t = a.t + std::min(2 * gap * hit->x, 0.999 * gap);
+        const Coedge& coedge = skin_.coedge(*mate);
+        const Uv seed = coedge.pcurve.point(std::clamp(hit->t, coedge.pcurve.first(), coedge.pcurve.last()));
+        const auto foot = foot_point(skin_.face(mate->face).surface, skin_.point(out.at), seed);
+        in.at.uv = foot ? *foot : seed;
+        solved = true;
+      }
+    }
+    if (!solved) {
+      // A corner or a pole between: carry a's point over as it is.
+      const auto foot = foot_point(skin_.face(b.at.face).surface, skin_.point(a.at), b.at.uv);
+      if (foot) in.at.uv = *foot;
+    }
+    in.t = out.t;
+    if (out.t - curve_.pieces.back().back().t > 1e-12) push(out);
+    curve_.pieces.emplace_back();
+    push(in);
+  }
+
+  const Skin& skin_;
+  const Front& front_;
+  int level_;
+  int source_ = 0, last_source_ = -1;
+  double offset_ = 0;
+  Ray last_ray_;
+  SurfaceCurve curve_;
+};
+
+struct Link {
+  std::size_t strand;
+  int end;
+};
+
+std::optional<Link> partner(const std::vector<Strand>& strands, std::size_t i, int e) {
+  if (strands[i].end[e] != StrandEnd::linked) return std::nullopt;
+  for (std::size_t j = 0; j < strands.size(); ++j)
+    for (int f = 0; f < 2; ++f)
+      if ((j != i || f != e) && strands[j].end[f] == StrandEnd::linked && strands[j].link[f] == strands[i].link[e])
+        return Link{j, f};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<ChainedCurve> level_curves(const GeodesicTracer& tracer, const Front& front, int level) {
+  const auto& strands = front.strands();
+  std::vector<char> used(strands.size(), 0);
+  std::vector<ChainedCurve> out;
+  for (std::size_t start = 0; start < strands.size(); ++start) {
+    if (used[start]) continue;
+    // Back to the first strand of the chain; all strands run the same way along it.
+    std::size_t first = start;
+    bool closed = false;
+    while (const auto before = partner(strands, first, 0)) {
+      if (before->end != 1) break;
+      if (before->strand == start) {
+        closed = true;
+        first = start;
+        break;
+      }
+      first = before->strand;
+    }
+    ChainedCurve chain;
+    CurveBuilder builder(tracer, front, level);
+    double reached = strands[first].rays.front().t;
+    for (std::size_t at = first;;) {
+      used[at] = 1;
+      const Strand& strand = strands[at];
+      const double offset = reached - strand.rays.front().t;
+      chain.strands.push_back(at);
+      chain.offsets.push_back(offset);
+      builder.begin_strand(strand.source, offset);
+      for (const Ray& ray : strand.rays) builder.add(ray);
+      reached = strand.rays.back().t + offset;
+      const auto after = partner(strands, at, 1);
+      if (!after || after->end != 0 || used[after->strand]) break;
+      at = after->strand;
+    }
+    chain.curve = builder.take(closed);
+    if (!chain.curve.empty()) out.push_back(std::move(chain));
+  }
+  return out;
+}
+
+}  // namespace afptraj

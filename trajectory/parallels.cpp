@@ -1,0 +1,90 @@
+#include "trajectory/parallels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "trajectory/level_curve.h"
+
+namespace afptraj {
+namespace {
+
+/// Rays at the samples of a source, not yet walked.
+Strand sampled_strand(const Front& front, int source, double sample_mm) {
+  const SourceCurve& curve = *front.source(source).curve;
+  const double length = curve.last() - curve.first();
+  const int n = std::max(2, static_cast<int>(std::ceil(length / sample_mm)));
+  Strand strand;
+  strand.source = source;
+  for (int i = 0; i <= n; ++i)
+    strand.rays.push_back(front.shoot(source, curve.first() + length * i / n, 0, nullptr));
+  return strand;
+}
+
+/// Adds this level's curves to the result and to the laid curves, and notes for each strand where
+/// on them its rays stand.
+void lay(const GeodesicTracer& tracer, Front& front, int level, LaidCurves& laid, std::vector<LevelCurve>& out) {
+  LevelCurve result;
+  result.number = front.side() * level;
+  for (ChainedCurve& chain : level_curves(tracer, front, level)) {
+    const int index = laid.add(chain.curve);
+    for (std::size_t i = 0; i < chain.strands.size(); ++i) {
+      front.strands()[chain.strands[i]].parent = index;
+      front.strands()[chain.strands[i]].parent_offset = chain.offsets[i];
+    }
+    result.curves.push_back(std::move(chain.curve));
+  }
+  if (!result.curves.empty()) out.push_back(std::move(result));
+}
+
+}  // namespace
+
+Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve> reference,
+                             const ParallelOptions& options, const std::function<bool(int level)>& progress) {
+  const GeodesicTracer tracer(skin, options.geodesic);
+  Front left(tracer, 1, options.front), right(tracer, -1, options.front);
+  const double cell = options.front.spacing_mm;
+  LaidCurves laid(skin, cell);
+  int next_link = 0;
+
+  // Level 0: the reference and its extensions, the same on both sides.
+  const int source = left.add_source(reference, 0);
+  Strand strand = sampled_strand(left, source, options.front.sample_mm);
+  if (reference->closed()) {
+    strand.end[0] = strand.end[1] = StrandEnd::linked;
+    strand.link[0] = strand.link[1] = next_link++;
+  }
+  left.add_strand(std::move(strand));
+  left.refine_level_zero();
+  left.extend(0, laid, LaidCurves(skin, cell), next_link);
+  right.mirror(left);
+
+  std::vector<LevelCurve> left_levels, right_levels;
+  lay(tracer, left, 0, laid, left_levels);
+  for (std::size_t i = 0; i < left.strands().size(); ++i) {
+    right.strands()[i].parent = left.strands()[i].parent;
+    right.strands()[i].parent_offset = left.strands()[i].parent_offset;
+  }
+
+  Parallels out;
+  for (int level = 1; !left.empty() || !right.empty(); ++level) {
+    if (level > options.max_levels) {
+      out.reached_max_levels = true;
+      break;
+    }
+    if (progress && !progress(level)) break;
+    for (Front* front : {&left, &right}) front->advance(level, laid);
+    LaidCurves current(skin, cell);
+    for (Front* front : {&left, &right})
+      for (ChainedCurve& chain : level_curves(tracer, *front, level)) current.add(std::move(chain.curve));
+    for (Front* front : {&left, &right}) front->extend(level, laid, current, next_link);
+    // Both sides are laid only now: neither may find its own level among the lower ones.
+    lay(tracer, left, level, laid, left_levels);
+    lay(tracer, right, level, laid, right_levels);
+  }
+  std::reverse(right_levels.begin(), right_levels.end());
+  out.levels = std::move(right_levels);
+  for (LevelCurve& level : left_levels) out.levels.push_back(std::move(level));
+  return out;
+}
+
+}  // namespace afptraj
