@@ -4,6 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <Eigen/Geometry>
+
+#include "geometry/curvature.h"
 #include "geometry/section_march.h"
 #include "geometry/section_seeds.h"
 
@@ -35,7 +38,7 @@ class Trace {
     double h = options_.step_mm;
     int idle = 0;  // crossings of loops without progress between them: a vertex has a few
     while (here && curve_.points.size() < most_points && idle < 16) {
-      h = std::min({options_.step_mm, 2 * h, here->kappa > 0 ? 0.3 / here->kappa : options_.step_mm});
+      h = std::min({longest(*here), 2 * h, here->kappa > 0 ? 0.3 / here->kappa : options_.step_mm});
       const std::optional<March::Step> step = good_step(*here, h);
       if (!step) break;
       if (closes(*here, *step)) break;
@@ -50,7 +53,6 @@ class Trace {
       const double before = total_;
       here = cross(*here, *step, *crossing);
       idle = total_ - before > 1e-9 ? 0 : idle + 1;
-      h = options_.step_mm;
     }
     return std::move(curve_);
   }
@@ -59,6 +61,12 @@ class Trace {
   void push(const SurfacePoint& at) {
     curve_.points.push_back(at);
     curve_.s_mm.push_back(total_);
+  }
+
+  /// How far to go along the tangent for an arc of step_mm; a little less, as the bend may grow.
+  double longest(const MarchPoint& here) const {
+    const double turn = here.kappa * options_.step_mm;
+    return options_.step_mm / (1 + turn * turn / 5);
   }
 
   /// A step of at most `h` with the arc length right to the tolerance, ending at the first knot line
@@ -72,6 +80,10 @@ class Trace {
           const double shorter = knot * here.tangent.dot(step->to.d.S - here.d.S);
           const std::optional<March::Step> to_knot = march_.step(here, shorter, sense_);
           if (to_knot) step = to_knot;
+        }
+        if (step->length > options_.step_mm) {
+          h *= 0.99 * options_.step_mm / step->length;
+          continue;
         }
         if (step->error <= options_.tolerance_mm * 1e-3 * step->length + 1e-15 * here.d.S.norm()) return step;
       }

@@ -105,7 +105,7 @@ std::optional<March::Step> March::step_to(const MarchPoint& from, const MarchPoi
   const double hermite = h / 2 * (1 + f1) - h * h / 12 * slope1;
   Step s{to, (4 * simpson + hermite) / 5, 0, {}};
   const double turn = h * std::max(from.kappa, to.kappa);
-  const double sharpen = std::min(1.0, 0.25 * turn * turn + h * std::abs((to.bend - from.bend).norm()));
+  const double sharpen = std::min(1.0, 0.25 * turn * turn + h * (to.bend - from.bend).norm());
   s.error = std::abs(simpson - hermite) / 5 * sharpen;
   s.path = UvCubic::hermite(from.uv, s.length * from.velocity, to.uv, s.length * to.velocity);
   // The cubic stands for the step where loops are looked for: it must run along the section.
