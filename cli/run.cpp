@@ -8,6 +8,7 @@
 
 #include <tbb/global_control.h>
 
+#include "analysis/judge_ply.h"
 #include "cli/build_facts.h"
 #include "cli/commands.h"
 #include "cli/part_file.h"
@@ -102,6 +103,9 @@ std::vector<Ply> plan_plies(const Skin& skin, const std::vector<PlyOrientation>&
     };
     try {
       plies.push_back(plan_ply(skin, orientations[i], job.plan, progress));
+      JudgeOptions judge;
+      judge.band_width_mm = job.plan.band_width_mm();
+      judge_ply(skin, judge, plies.back());
     } catch (const Interrupted&) {
       throw Stopped{};
     }

@@ -69,6 +69,21 @@ std::optional<LaidCurves::Rival> LaidCurves::rival(const GeodesicTracer& tracer,
   return best;
 }
 
+double LaidCurves::distance(const Vec3& p, const Vec3& n, double limit_mm) const {
+  double best = limit_mm;
+  visit_near(p, limit_mm, [&](int c, int i) {
+    const Entry& entry = curves_[static_cast<std::size_t>(c)];
+    const Node& node = entry.nodes[static_cast<std::size_t>(i)];
+    if (node.normal.dot(n) < -0.5) return;
+    best = std::min(best, (node.position - p).norm());
+    if (static_cast<std::size_t>(i) + 1 >= entry.nodes.size()) return;
+    const Vec3 a = node.position, ab = entry.nodes[static_cast<std::size_t>(i) + 1].position - a;
+    const double x = ab.squaredNorm() > 0 ? std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0) : 0.0;
+    best = std::min(best, (a + x * ab - p).norm());
+  });
+  return best;
+}
+
 bool LaidCurves::abreast(const Vec3& p, const Vec3& n, const Vec3& along, double limit_mm, double abreast_mm) const {
   bool found = false;
   visit_near(p, limit_mm, [&](int c, int i) {

@@ -30,6 +30,10 @@ class LaidCurves {
   std::optional<Rival> rival(const GeodesicTracer& tracer, const Vec3& p, const Vec3& n, double limit_mm, int own,
                              double own_t, double own_reach_mm) const;
 
+  /// The least distance in space from p to the chords of the curves, with a normal not opposite to
+  /// n; `limit_mm` when there is none within it.
+  double distance(const Vec3& p, const Vec3& n, double limit_mm) const;
+
   /// Whether a node with a like normal lies within `limit_mm` of p, abreast of the direction `along`
   /// (its offset along it is at most `abreast_mm`).
   bool abreast(const Vec3& p, const Vec3& n, const Vec3& along, double limit_mm, double abreast_mm) const;
