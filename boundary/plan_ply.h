@@ -16,7 +16,7 @@ struct PlanOptions {
   double step_mm = 2;             ///< lambda, the greatest step of the reference path
   double chord_error_mm = 0.01;   ///< greatest distance of a step's chord from its arc
   double range_mm = 0;            ///< of the direction field; 0: one band width W
-  double fairness = 1e-3;         ///< weight of the fairness term of the fit, see trajectory/path_fit.h
+  double fairness = 1e-3;         ///< weight of the fairness term of the fit, see trajectory/fairing.h
   double extension_step_mm = 5;   ///< delta l, step of the extension past the ends
   double sample_mm = 0;           ///< greatest distance of output samples; 0: W / 12
   double min_steering_radius_mm = 635;

@@ -7,6 +7,7 @@
 
 #include "geometry/curvature.h"
 #include "geometry/error.h"
+#include "trajectory/fairing.h"
 
 namespace afptraj {
 namespace {
@@ -154,38 +155,33 @@ class PointResidual : public ceres::SizedCostFunction<2, 2, 2, 2, 2> {
   Eigen::Matrix2d root_;
 };
 
+/// Second difference of three poles: a weak hold that keeps the system well posed.
+class BendResidual : public ceres::SizedCostFunction<2, 2, 2, 2> {
+ public:
+  explicit BendResidual(const Eigen::Matrix2d& root) : root_(root) {}
+  bool Evaluate(double const* const* poles, double* residual, double** jacobians) const override {
+    static constexpr double weight[3] = {1, -2, 1};
+    Uv sum = Uv::Zero();
+    for (int k = 0; k < 3; ++k) {
+      sum += weight[k] * Uv(poles[k][0], poles[k][1]);
+      if (jacobians && jacobians[k]) {
+        Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> J(jacobians[k]);
+        J = weight[k] * root_;
+      }
+    }
+    Eigen::Map<Eigen::Vector2d> r(residual);
+    r = root_ * sum;
+    return true;
+  }
+
+ private:
+  Eigen::Matrix2d root_;
+};
+
 /// The basis of a cubic at one parameter.
 struct Site {
   int span = 3;
   double basis[3][max_degree + 1];
-};
-
-double kappa_g(const Face& face, const Site& site, double const* const* poles) {
-  Uv c = Uv::Zero(), d1 = Uv::Zero(), d2 = Uv::Zero();
-  for (int k = 0; k < 4; ++k) {
-    const Uv pole(poles[k][0], poles[k][1]);
-    c += site.basis[0][k] * pole;
-    d1 += site.basis[1][k] * pole;
-    d2 += site.basis[2][k] * pole;
-  }
-  const SurfaceDerivatives d = face.surface.derivatives(c);
-  const Vec3 n = unit_normal(d);
-  if (n.isZero()) return 0;
-  return geodesic_curvature(d, n, d1, d2);
-}
-
-/// Change of geodesic curvature from the middle of one span to the middle of the next.
-struct FairnessResidual {
-  const Face* face;
-  Site a, b;
-  double weight;
-  bool operator()(const double* p0, const double* p1, const double* p2, const double* p3, const double* p4,
-                  double* residual) const {
-    const double* first[4] = {p0, p1, p2, p3};
-    const double* second[4] = {p1, p2, p3, p4};
-    residual[0] = weight * (kappa_g(*face, b, second) - kappa_g(*face, a, first));
-    return std::isfinite(residual[0]);
-  }
 };
 
 /// Sine of the angle between the curve's end and a wanted tangent.
@@ -271,17 +267,10 @@ BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& option
     problem.AddResidualBlock(new PointResidual(site.basis[0], run.uv[i], root), nullptr, block(k), block(k + 1),
                              block(k + 2), block(k + 3));
   }
-  const double span_length = length / spans;
-  const double fairness = options.fairness * std::pow(options.length_mm, 6);
-  for (int j = 0; j + 1 < spans; ++j) {
-    const double mid = run.t.front() + (j + 0.5) * span_length;
-    // Only the difference of the two middles is penalised: an arc of constant kappa_g costs nothing.
-    FairnessResidual residual{&face, site_at(curve, mid), site_at(curve, mid + span_length),
-                              std::sqrt(fairness / span_length)};
-    problem.AddResidualBlock(
-        new ceres::NumericDiffCostFunction<FairnessResidual, ceres::CENTRAL, 1, 2, 2, 2, 2, 2>(
-            new FairnessResidual(residual)),
-        nullptr, block(j), block(j + 1), block(j + 2), block(j + 3), block(j + 4));
+  // Poles that few points see are held by the least bending of the control polygon.
+  for (int j = 0; j + 2 < static_cast<int>(count); ++j) {
+    const Eigen::Matrix2d root = metric_root(face.surface.derivatives(curve.poles[static_cast<std::size_t>(j) + 1]));
+    problem.AddResidualBlock(new BendResidual(1e-6 * root), nullptr, block(j), block(j + 1), block(j + 2));
   }
   for (int end = 0; end < 2; ++end) {
     if (!run.fixed[end]) continue;
@@ -316,26 +305,53 @@ BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& option
 
 }  // namespace
 
-PathFit fit_path(const Skin& skin, const SteppedPath& stepped, const FitOptions& options) {
-  const std::vector<Run> runs = split_runs(skin, stepped);
-  std::vector<SplinePath::Piece> pieces;
-  for (const Run& run : runs) pieces.push_back({run.face, run.normal_sign, fit_run(skin, run, options)});
-  PathFit out;
+namespace {
+
+/// Greatest and mean distance of points from the polyline of a path, across it.
+void measure_deviation(const SteppedPath& from, const SteppedPath& to, PathFit& out) {
   double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t r = 0; r < runs.size(); ++r)
-    for (std::size_t i = 0; i < runs[r].t.size(); ++i) {
-      const Surface& surface = skin.face(runs[r].face).surface;
-      const auto c = pieces[r].curve.derivatives(runs[r].t[i]);
-      const SurfaceDerivatives d = surface.derivatives(c.c);
-      const Vec3 tangent = uv_to_tangent(d, c.d1).normalized();
-      Vec3 miss = surface.point(runs[r].uv[i]) - d.S;
-      miss -= miss.dot(tangent) * tangent;  // along the path only the parameter differs
-      sum += miss.squaredNorm();
-      out.max_mm = std::max(out.max_mm, miss.norm());
-      ++count;
-    }
-  out.rms_mm = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0;
+  for (std::size_t i = 0; i < from.points.size() && i < to.points.size(); ++i) {
+    Vec3 miss = from.points[i].position - to.points[i].position;
+    const Vec3& along = to.points[i].direction;
+    miss -= miss.dot(along) * along;
+    sum += miss.squaredNorm();
+    out.max_mm = std::max(out.max_mm, miss.norm());
+  }
+  out.rms_mm = std::sqrt(sum / static_cast<double>(from.points.size()));
+}
+
+/// Distance of a run's points from its spline, across it.
+double spline_deviation(const Skin& skin, const Run& run, const BSplineCurve2& curve) {
+  double worst = 0;
+  const Surface& surface = skin.face(run.face).surface;
+  for (std::size_t i = 0; i < run.t.size(); ++i) {
+    const auto c = curve.derivatives(run.t[i]);
+    const SurfaceDerivatives d = surface.derivatives(c.c);
+    const Vec3 tangent = uv_to_tangent(d, c.d1).normalized();
+    Vec3 miss = surface.point(run.uv[i]) - d.S;
+    miss -= miss.dot(tangent) * tangent;  // along the path only the parameter differs
+    worst = std::max(worst, miss.norm());
+  }
+  return worst;
+}
+
+}  // namespace
+
+PathFit fit_path(const Skin& skin, const SteppedPath& stepped, const FitOptions& options) {
+  FairingOptions fairing;
+  fairing.fairness = options.fairness;
+  fairing.length_mm = options.length_mm;
+  const SteppedPath fair = fair_path(skin, stepped, fairing);
+  PathFit out;
+  measure_deviation(stepped, fair, out);
+  std::vector<SplinePath::Piece> pieces;
+  double spline_mm = 0;
+  for (const Run& run : split_runs(skin, fair)) {
+    pieces.push_back({run.face, run.normal_sign, fit_run(skin, run, options)});
+    spline_mm = std::max(spline_mm, spline_deviation(skin, run, pieces.back().curve));
+  }
+  out.max_mm += spline_mm;
+  out.spline_mm = spline_mm;
   out.path = std::make_shared<const SplinePath>(skin, std::move(pieces), stepped.closed);
   return out;
 }

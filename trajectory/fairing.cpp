@@ -1,0 +1,141 @@
+#include "trajectory/fairing.h"
+
+#include <cmath>
+
+#include <ceres/ceres.h>
+
+#include "geometry/curvature.h"
+#include "geometry/error.h"
+#include "geometry/geodesic.h"
+
+namespace afptraj {
+namespace {
+
+/// residual = offset + sum of coefficient_k * w_k.
+template <int N>
+class LinearResidual : public ceres::CostFunction {
+ public:
+  LinearResidual(const double (&coefficients)[N], double offset) : offset_(offset) {
+    std::copy(coefficients, coefficients + N, coefficients_);
+    set_num_residuals(1);
+    for (int k = 0; k < N; ++k) mutable_parameter_block_sizes()->push_back(1);
+  }
+  bool Evaluate(double const* const* w, double* residual, double** jacobians) const override {
+    residual[0] = offset_;
+    for (int k = 0; k < N; ++k) {
+      residual[0] += coefficients_[k] * w[k][0];
+      if (jacobians && jacobians[k]) jacobians[k][0] = coefficients_[k];
+    }
+    return true;
+  }
+
+ private:
+  double coefficients_[N];
+  double offset_;
+};
+
+/// Geodesic curvature at each inner point, from the turn of the chords about the normal, and the
+/// change of it by a lateral move: w'' + K w by three-point differences.
+struct Bend {
+  double kappa = 0;
+  double coefficient[3] = {0, 0, 0};  // of w at the point before, here, after
+};
+
+std::vector<Bend> measure(const Skin& skin, const std::vector<SteppedPoint>& points) {
+  std::vector<Bend> out(points.size());
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    const Vec3 a = points[i].position - points[i - 1].position, c = points[i + 1].position - points[i].position;
+    const double h1 = std::max(a.norm(), 1e-9), h2 = std::max(c.norm(), 1e-9);
+    const Vec3 n = points[i].normal_sign * skin.normal(points[i].at);
+    out[i].kappa = std::atan2(a.cross(c).dot(n), a.dot(c)) / (0.5 * (h1 + h2));
+    const double K = gaussian_curvature(skin.derivatives(points[i].at));
+    out[i].coefficient[0] = 2 / (h1 * (h1 + h2));
+    out[i].coefficient[2] = 2 / (h2 * (h1 + h2));
+    out[i].coefficient[1] = -out[i].coefficient[0] - out[i].coefficient[2] + K;
+  }
+  return out;
+}
+
+/// The moves that fair the path; `moved` are those made so far, which count as distance too.
+std::vector<double> solve_moves(const std::vector<SteppedPoint>& points, const std::vector<Bend>& bends,
+                                const std::vector<double>& moved, double weight, bool closed) {
+  const std::size_t n = points.size();
+  std::vector<double> w(n, 0.0);
+  ceres::Problem problem;
+  const auto gap = [&](std::size_t i) { return std::max((points[i + 1].position - points[i].position).norm(), 1e-9); };
+  for (std::size_t i = 0; i < n; ++i) {
+    const double ds = 0.5 * ((i > 0 ? gap(i - 1) : 0) + (i + 1 < n ? gap(i) : 0));
+    const double root = std::sqrt(ds);
+    const double coefficient[1] = {root};
+    problem.AddResidualBlock(new LinearResidual<1>(coefficient, root * moved[i]), nullptr, &w[i]);
+  }
+  for (std::size_t i = 1; i + 2 < n; ++i) {
+    const double scale = std::sqrt(weight / gap(i));
+    const Bend &a = bends[i], &b = bends[i + 1];
+    const double coefficient[4] = {-scale * a.coefficient[0], scale * (b.coefficient[0] - a.coefficient[1]),
+                                   scale * (b.coefficient[1] - a.coefficient[2]), scale * b.coefficient[2]};
+    problem.AddResidualBlock(new LinearResidual<4>(coefficient, scale * (b.kappa - a.kappa)), nullptr, &w[i - 1], &w[i],
+                             &w[i + 1], &w[i + 2]);
+  }
+  if (closed) {
+    problem.SetParameterBlockConstant(&w.front());
+    problem.SetParameterBlockConstant(&w.back());
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.num_threads = 1;
+  solver.initial_trust_region_radius = 1e16;  // the problem is linear: one full step solves it
+  solver.max_num_iterations = 5;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  if (!summary.IsSolutionUsable())
+    throw Error(ErrorCode::internal, "fairing of the reference path", "the least-squares solver failed: " + summary.message);
+  return w;
+}
+
+void renew_directions(std::vector<SteppedPoint>& points) {
+  double s = points.front().s_mm;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& before = points[i > 0 ? i - 1 : 0].position;
+    const auto& after = points[std::min(i + 1, points.size() - 1)].position;
+    if ((after - before).norm() > 0) points[i].direction = (after - before).normalized();
+    if (i > 0) s += (points[i].position - before).norm();
+    points[i].s_mm = s;
+  }
+}
+
+}  // namespace
+
+SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const FairingOptions& options) {
+  SteppedPath out = stepped;
+  if (options.fairness <= 0 || stepped.points.size() < 5) return out;
+  const double weight = options.fairness * std::pow(options.length_mm, 6);
+  GeodesicOptions geodesic;
+  geodesic.margin_mm = options.length_mm;
+  geodesic.outside_limit_mm = options.length_mm;
+  const GeodesicTracer tracer(skin, geodesic);
+  std::vector<double> moved(out.points.size(), 0.0);
+  for (int round = 0; round < 2; ++round) {
+    const std::vector<double> w =
+        solve_moves(out.points, measure(skin, out.points), moved, weight, stepped.closed);
+    for (std::size_t i = 0; i < out.points.size(); ++i) {
+      SteppedPoint& p = out.points[i];
+      if (std::abs(w[i]) < 1e-12) continue;
+      const Vec3 n = p.normal_sign * skin.normal(p.at);
+      const bool outside = !skin.trim(p.at.face).contains(p.at.uv);
+      GeodesicState g = tracer.start(p.at, std::copysign(1.0, w[i]) * n.cross(p.direction), p.normal_sign, 1, 0, outside);
+      g.in_hole = outside;
+      if (tracer.advance(g, std::abs(w[i])) != TraceEnd::reached) continue;
+      if (g.outside && !g.in_hole) continue;  // stays on the skin, as the stepped path does
+      p.at = g.at;
+      p.normal_sign = g.normal_sign;
+      p.position = skin.point(g.at);
+      moved[i] += w[i];
+    }
+    renew_directions(out.points);
+  }
+  return out;
+}
+
+}  // namespace afptraj
