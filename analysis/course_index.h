@@ -10,10 +10,14 @@ namespace afptraj {
 /// The centre lines of some courses, found by place.
 class CourseIndex {
  public:
-  /// `use(course)` chooses the courses.
+  /// `use(course)` chooses among `courses`.
   template <typename Use>
-  CourseIndex(const Skin& skin, const Ply& ply, double cell_mm, Use use) : laid_(skin, cell_mm) {
-    for (const Course& course : ply.courses)
+  CourseIndex(const Skin& skin, const std::vector<Course>& courses, double cell_mm, Use use) : laid_(skin, cell_mm) {
+    add(skin, courses, use);
+  }
+  template <typename Use>
+  void add(const Skin& skin, const std::vector<Course>& courses, Use use) {
+    for (const Course& course : courses)
       if (use(course)) add(skin, course);
   }
   const LaidCurves& laid() const { return laid_; }

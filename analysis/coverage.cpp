@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
 
 #include <tbb/parallel_for.h>
 
@@ -10,11 +13,14 @@
 namespace afptraj {
 namespace {
 
+constexpr int no_course = std::numeric_limits<int>::min();
+
 struct Judged {
   AreaSample sample;
   Vec3 position = Vec3::Zero();
   bool covered = true;
   double distance_mm = 0;
+  int strip_of = no_course;  ///< the course off the skin whose band reaches it
 };
 
 double greatest_curvature(const SurfaceDerivatives& d, const Vec3& n) {
@@ -23,24 +29,19 @@ double greatest_curvature(const SurfaceDerivatives& d, const Vec3& n) {
   return std::max(std::abs(c.k1), std::abs(c.k2));
 }
 
-Judged judge(const Skin& skin, const GeodesicTracer& tracer, const LaidCurves& laid, const AreaSample& sample,
-             double half_width) {
-  Judged out{sample, skin.point(sample.at), true, 0};
-  const SurfaceDerivatives d = skin.derivatives(sample.at);
-  const Vec3 n = skin.normal(sample.at);
-  const double chord = laid.distance(out.position, n, 2.5 * half_width);
-  out.distance_mm = chord;
-  if (chord >= half_width) {
-    out.covered = false;
-    return out;
-  }
+/// Whether a curve passes within `half_width` of the sample, along the skin.
+bool is_covered(const Skin& skin, const GeodesicTracer& tracer, const LaidCurves& laid, const SurfacePoint& at,
+                double half_width, double* distance_mm) {
+  const SurfaceDerivatives d = skin.derivatives(at);
+  const Vec3 n = skin.normal(at);
+  const double chord = laid.distance(d.S, n, 2.5 * half_width);
+  if (distance_mm) *distance_mm = chord;
+  if (chord >= half_width) return false;
   // An arc of curvature k over a chord c is longer by at most k^2 c^3 / 24 (k c < 1), doubled for a
   // curvature that grows along the way.
   const double k = greatest_curvature(d, n);
-  if (k * chord < 1 && chord + k * k * chord * chord * chord / 12 < half_width) return out;
-  const auto near = laid.rival(tracer, out.position, n, half_width, -1, 0, 0);
-  out.covered = near.has_value();
-  return out;
+  if (k * chord < 1 && chord + k * k * chord * chord * chord / 12 < half_width) return true;
+  return laid.rival(tracer, d.S, n, half_width, -1, 0, 0).has_value();
 }
 
 std::vector<AreaSample> spread_samples(const Skin& skin, int count) {
@@ -55,7 +56,7 @@ std::vector<AreaSample> spread_samples(const Skin& skin, int count) {
   return out;
 }
 
-/// Gathers uncovered samples that lie within a band of each other.
+/// Gathers uncovered samples that lie within a band of each other and have the same cause.
 std::vector<UncoveredSpot> gather(const std::vector<Judged>& judged, double band_width) {
   std::vector<const Judged*> open;
   for (const Judged& j : judged)
@@ -70,7 +71,8 @@ std::vector<UncoveredSpot> gather(const std::vector<Judged>& judged, double band
       const std::size_t at = stack.back();
       stack.pop_back();
       for (std::size_t j = 0; j < open.size(); ++j)
-        if (group[j] < 0 && (open[j]->position - open[at]->position).norm() < band_width) {
+        if (group[j] < 0 && open[j]->strip_of == open[at]->strip_of &&
+            (open[j]->position - open[at]->position).norm() < band_width) {
           group[j] = groups;
           stack.push_back(j);
         }
@@ -81,15 +83,18 @@ std::vector<UncoveredSpot> gather(const std::vector<Judged>& judged, double band
   for (std::size_t i = 0; i < open.size(); ++i) {
     UncoveredSpot& spot = out[static_cast<std::size_t>(group[i])];
     spot.area_mm2 += open[i]->sample.area_mm2;
-    if (open[i]->distance_mm > spot.distance_mm) {
-      spot.distance_mm = open[i]->distance_mm;
-      spot.where = open[i]->position;
-    }
+    if (open[i]->distance_mm <= spot.distance_mm) continue;
+    spot.distance_mm = open[i]->distance_mm;
+    spot.where = open[i]->position;
+    const int course = open[i]->strip_of;
+    if (course != no_course)
+      spot.reason = "strip at the boundary: the centre line of course " + std::string(course > 0 ? "+" : "") +
+                    std::to_string(course) + " runs off the skin there, its band reaches in";
+    else if (spot.distance_mm < band_width)
+      spot.reason = "courses end or meet here, and the rest is narrower than a band";
+    else
+      spot.reason = "no geodesic from the reference path reaches this place";
   }
-  for (UncoveredSpot& spot : out)
-    spot.reason = spot.distance_mm < band_width
-                      ? "between courses that end or meet here: another course would overlap them"
-                      : "no geodesic from the reference path reaches this place";
   std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.area_mm2 > b.area_mm2; });
   return out;
 }
@@ -102,21 +107,37 @@ Coverage measure_coverage(const Skin& skin, const Ply& ply, const JudgeOptions& 
   geodesic.outside_limit_mm = skin.diagonal();
   geodesic.margin_mm = options.band_width_mm;
   const GeodesicTracer tracer(skin, geodesic);
-  const double half = 0.5 * options.band_width_mm;
-  const CourseIndex index(skin, ply, options.band_width_mm, [](const Course&) { return true; });
+  const double W = options.band_width_mm;
+  const CourseIndex index(skin, ply.courses, W, [](const Course&) { return true; });
+  std::map<int, std::unique_ptr<CourseIndex>> strips;
+  for (const Course& course : ply.off_skin) {
+    auto& strip = strips[course.number];
+    strip = std::make_unique<CourseIndex>(skin, ply.off_skin, W, [&](const Course& c) { return c.number == course.number; });
+  }
   const std::vector<AreaSample> samples = spread_samples(skin, options.area_samples);
   std::vector<Judged> judged(samples.size());
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-    judged[i] = judge(skin, tracer, index.laid(), samples[i], half);
+    Judged& out = judged[i];
+    out.sample = samples[i];
+    out.position = skin.point(samples[i].at);
+    out.covered = is_covered(skin, tracer, index.laid(), samples[i].at, W / 2, &out.distance_mm);
+    if (out.covered) return;
+    for (const auto& [number, strip] : strips)
+      if (is_covered(skin, tracer, strip->laid(), samples[i].at, W / 2, nullptr)) {
+        out.strip_of = number;
+        break;
+      }
   });
   Coverage out;
-  double all = 0, covered = 0;
+  double all = 0, covered = 0, reached = 0;
   for (const Judged& j : judged) {
     all += j.sample.area_mm2;
     if (j.covered) covered += j.sample.area_mm2;
+    if (j.covered || j.strip_of != no_course) reached += j.sample.area_mm2;
   }
   out.covered_share = all > 0 ? covered / all : 0;
-  out.uncovered = gather(judged, options.band_width_mm);
+  out.reached_share = all > 0 ? reached / all : 0;
+  out.uncovered = gather(judged, W);
   return out;
 }
 

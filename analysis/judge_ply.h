@@ -13,7 +13,8 @@ struct JudgeOptions {
 
 /// How much of the skin lies within W/2 of a centre line, and where the rest is.
 struct Coverage {
-  double covered_share = 1;
+  double covered_share = 1;  ///< within W/2 of a centre line on the skin
+  double reached_share = 1;  ///< or of one that runs off the skin
   std::vector<UncoveredSpot> uncovered;  ///< by area, greatest first
 };
 
@@ -24,7 +25,7 @@ struct Coverage {
 Coverage measure_coverage(const Skin& skin, const Ply& ply, const JudgeOptions& options);
 
 /// E_k: the greatest | distance to the neighbour toward course 0 - W | over points between samples
-/// whose foot on that neighbour is interior. `checked` counts them.
+/// whose foot on that neighbour (its off-skin stretches included) is interior. `checked` counts them.
 struct SpacingError {
   double worst_mm = 0;
   int worst_course = 0;

@@ -46,8 +46,10 @@ SpacingError measure_spacing(const Skin& skin, const Ply& ply, const JudgeOption
   for (const Probe& probe : probes) {
     const int parent = probe.course > 0 ? probe.course - 1 : probe.course + 1;
     auto& index = parents[parent];
-    if (!index)
-      index = std::make_unique<CourseIndex>(skin, ply, W, [&](const Course& c) { return c.number == parent; });
+    if (index) continue;
+    const auto is_parent = [&](const Course& c) { return c.number == parent; };
+    index = std::make_unique<CourseIndex>(skin, ply.courses, W, is_parent);
+    index->add(skin, ply.off_skin, is_parent);
   }
   std::vector<double> errors(probes.size(), -1);
   tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t i) {

@@ -23,13 +23,15 @@ CurveNode node_at(const Piece& piece, std::size_t i, double x, const Uv& uv) {
 
 class Clipper {
  public:
-  Clipper(const Skin& skin, double least_mm) : skin_(skin), least_mm_(least_mm) {}
+  /// Keeps the stretches inside the loops, or those outside.
+  Clipper(const Skin& skin, double least_mm, bool keep_inside)
+      : skin_(skin), least_mm_(least_mm), keep_(keep_inside) {}
 
   void add(const Piece& piece) {
     const int face = piece.front().at.face;
     const TrimRegion& trim = skin_.trim(face);
     bool inside = starts_inside(trim, piece);
-    if (inside) {
+    if (inside == keep_) {
       current_.emplace_back();
       push(piece.front());
     } else {
@@ -42,7 +44,7 @@ class Clipper {
         // Out over a shared edge is no end: the next piece goes on there.
         if (hit.outward && skin_.mate(use)) continue;
         const CurveNode node = node_at(piece, i, hit.x, hit.uv);
-        if (inside) {
+        if (inside == keep_) {
           push(node);
           finish();
         } else {
@@ -51,7 +53,7 @@ class Clipper {
         }
         inside = !inside;
       }
-      if (inside) push(piece[i + 1]);
+      if (inside == keep_) push(piece[i + 1]);
     }
   }
 
@@ -87,14 +89,21 @@ class Clipper {
 
   const Skin& skin_;
   double least_mm_;
+  bool keep_;
   std::vector<Piece> current_;
   std::vector<SurfaceCurve> out_;
 };
 
 }  // namespace
 
+std::vector<SurfaceCurve> off_skin(const Skin& skin, const SurfaceCurve& curve, double least_mm) {
+  Clipper clipper(skin, least_mm, false);
+  for (const Piece& piece : curve.pieces) clipper.add(piece);
+  return clipper.take();
+}
+
 std::vector<SurfaceCurve> clip_to_skin(const Skin& skin, const SurfaceCurve& curve, double least_mm) {
-  Clipper clipper(skin, least_mm);
+  Clipper clipper(skin, least_mm, true);
   for (const Piece& piece : curve.pieces) clipper.add(piece);
   std::vector<SurfaceCurve> out = clipper.take();
   if (!curve.closed || out.empty()) return out;

@@ -14,6 +14,10 @@ namespace afptraj {
 /// Stretches shorter than `least_mm` are dropped. Clipping twice changes nothing.
 std::vector<SurfaceCurve> clip_to_skin(const Skin& skin, const SurfaceCurve& curve, double least_mm = 1e-3);
 
+/// The other stretches: where the curve runs on the continuation of the skin. A band whose centre
+/// line is off the skin may still reach onto it.
+std::vector<SurfaceCurve> off_skin(const Skin& skin, const SurfaceCurve& curve, double least_mm = 1e-3);
+
 /// Samples of a curve: its nodes, with arc length, Darboux frame, curvatures and the deviation from
 /// the field.
 CourseSegment sample_segment(const Skin& skin, const SurfaceCurve& curve, const DirectionField& field);

@@ -113,7 +113,7 @@ ParallelOptions parallel_options(const Skin& skin, const PlanOptions& options) {
   out.front.spacing_mm = W;
   out.front.sample_mm = options.sample_mm > 0 ? options.sample_mm : W / 12;
   out.front.extension_step_mm = options.extension_step_mm;
-  out.front.max_extension_mm = 100 * skin.diagonal();
+  out.front.max_extension_mm = 10 * skin.diagonal();
   out.geodesic.tolerance_mm = 1e-9;
   out.geodesic.outside_limit_mm = skin.diagonal();
   // Beside other faces the continuation of one face soon parts from that of the next.
@@ -122,16 +122,38 @@ ParallelOptions parallel_options(const Skin& skin, const PlanOptions& options) {
   return out;
 }
 
-std::vector<Course> clip_courses(const Skin& skin, const Parallels& parallels, const DirectionField& field) {
+/// Samples of the stretches of each level that `clip` keeps.
+template <typename Clip>
+std::vector<Course> clip_courses(const Skin& skin, const Parallels& parallels, const DirectionField& field, Clip clip) {
   std::vector<Course> courses(parallels.levels.size());
   tbb::parallel_for(std::size_t{0}, courses.size(), [&](std::size_t i) {
     courses[i].number = parallels.levels[i].number;
     for (const SurfaceCurve& curve : parallels.levels[i].curves)
-      for (const SurfaceCurve& stretch : clip_to_skin(skin, curve))
-        courses[i].segments.push_back(sample_segment(skin, stretch, field));
+      for (const SurfaceCurve& stretch : clip(curve)) courses[i].segments.push_back(sample_segment(skin, stretch, field));
   });
   std::erase_if(courses, [](const Course& course) { return course.segments.empty(); });
   return courses;
+}
+
+/// Off-skin stretches farther from the skin than a band reach nothing: drop them.
+void keep_near_skin(const Skin& skin, double reach_mm, std::vector<Course>& courses) {
+  tbb::parallel_for(std::size_t{0}, courses.size(), [&](std::size_t i) {
+    std::vector<CourseSegment> kept;
+    for (CourseSegment& segment : courses[i].segments) {
+      CourseSegment run;
+      for (const CourseSample& sample : segment.samples) {
+        if (skin.closest_point().closest(sample.position, reach_mm)) {
+          run.samples.push_back(sample);
+          continue;
+        }
+        if (run.samples.size() > 1) kept.push_back(std::move(run));
+        run = {};
+      }
+      if (run.samples.size() > 1) kept.push_back(std::move(run));
+    }
+    courses[i].segments = std::move(kept);
+  });
+  std::erase_if(courses, [](const Course& course) { return course.segments.empty(); });
 }
 
 }  // namespace
@@ -206,7 +228,9 @@ Ply plan_ply(const Skin& skin, const PlyOrientation& orientation, const PlanOpti
   watch.stage("parallels");
 
   tell("boundary", 0);
-  ply.courses = clip_courses(skin, parallels, field);
+  ply.courses = clip_courses(skin, parallels, field, [&](const SurfaceCurve& c) { return clip_to_skin(skin, c); });
+  ply.off_skin = clip_courses(skin, parallels, field, [&](const SurfaceCurve& c) { return off_skin(skin, c); });
+  keep_near_skin(skin, report.band_width_mm / 2, ply.off_skin);
   if (ply.courses.empty())
     throw Error(ErrorCode::no_path, "ply '" + orientation.name + "'", "no course touches the skin");
   report_counts(report, ply.courses);

@@ -65,6 +65,7 @@ struct PlyReport {
   double total_length_mm = 0;
   double skin_area_mm2 = 0;
   double covered_share = 0;        ///< of the skin within W/2 of a centre line
+  double reached_share = 0;        ///< with the bands whose centre line runs off the skin
   std::vector<UncoveredSpot> uncovered;
   double spacing_error_mm = 0;     ///< E_k, greatest over the courses, between output samples
   double min_steering_radius_mm = 0;
@@ -78,6 +79,9 @@ struct PlyReport {
 struct Ply {
   std::string name;
   std::vector<Course> courses;
+  /// Centre lines off the skin (beyond its boundary, over holes) near enough that their bands may
+  /// reach onto it, by the same numbers. They are no paths to lay as they stand; tows are cut from them.
+  std::vector<Course> off_skin;
   PlyReport report;
 };
 

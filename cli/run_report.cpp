@@ -22,7 +22,7 @@ std::string place(const Vec3& p) {
 
 std::string line(const char* name, const std::string& text) {
   std::string head = std::string("  ") + name;
-  head.resize(14, ' ');
+  head.resize(16, ' ');
   return head + text + "\n";
 }
 
@@ -39,8 +39,8 @@ std::size_t segment_count(const Ply& ply) {
 std::vector<std::string> limit_violations(const Ply& ply, const Job& job) {
   const PlyReport& r = ply.report;
   std::vector<std::string> out = r.violations;
-  if (r.covered_share < job.min_coverage) {
-    out.push_back("coverage " + percent(r.covered_share) + " is below " + percent(job.min_coverage));
+  if (r.reached_share < job.min_coverage) {
+    out.push_back("coverage " + percent(r.reached_share) + " is below " + percent(job.min_coverage));
   }
   if (r.spacing_error_mm > job.max_spacing_error_mm) {
     out.push_back("spacing error " + short_number(r.spacing_error_mm, 3) + " mm is above " +
@@ -60,7 +60,8 @@ std::string ply_table(const Ply& ply, const Job& job, const std::vector<std::str
                                   std::to_string(r.N2) + " right (L2 = " + short_number(r.L2_mm, 5) + " mm)" +
                                   (r.courses_reason.empty() ? "" : "; " + printable(r.courses_reason, 300)));
   out += line("coverage", percent(r.covered_share) + " of " + short_number(r.skin_area_mm2 / 1e6, 4) + " m2 within " +
-                              short_number(r.band_width_mm / 2) + " mm of a centre line");
+                              short_number(r.band_width_mm / 2) + " mm of a centre line; " + percent(r.reached_share) +
+                              " with the bands at the boundary whose centre line runs off the skin");
   constexpr std::size_t most_spots = 3;
   for (std::size_t i = 0; i < std::min(most_spots, r.uncovered.size()); ++i) {
     const UncoveredSpot& spot = r.uncovered[i];

@@ -85,7 +85,7 @@ class Trace {
           h *= 0.99 * options_.step_mm / step->length;
           continue;
         }
-        if (step->error <= options_.tolerance_mm * 1e-3 * step->length + 1e-15 * here.d.S.norm()) return step;
+        if (step->error <= options_.tolerance_mm * 1e-3 * step->length + march_.rounding()) return step;
       }
       h *= 0.5;
     }
@@ -179,18 +179,22 @@ class Trace {
         t = *exact;
       }
     }
-    if (const std::optional<MarchPoint> there = march_.at(here.face, uv, sense_)) {
-      const std::optional<March::Step> last = march_.step_to(here, *there, sense_);
-      total_ += last ? last->length : std::max(0.0, here.tangent.dot(there->d.S - here.d.S));
-    } else {
-      total_ += (skin_.face(use.face).surface.point(uv) - here.d.S).norm();
-    }
+    total_ += arc_to(here, uv);
     push({here.face, uv});
     if (at_start(skin_.point({here.face, uv}))) {
       curve_.closed = true;
       return std::nullopt;
     }
     return enter(use, t, here.tangent);
+  }
+
+  double arc_to(const MarchPoint& here, const Uv& uv) const {
+    if (const std::optional<MarchPoint> there = march_.at(here.face, uv, sense_)) {
+      if (const std::optional<March::Step> last = march_.step_to(here, *there, sense_)) return last->length;
+    }
+    // No tangent there (a pole), or hardly any way to go: the arc of the circle of curvature.
+    const double chord = (skin_.face(here.face).surface.point(uv) - here.d.S).norm();
+    return chord * (1 + std::pow(here.kappa * chord, 2) / 24);
   }
 
   bool at_start(const Vec3& p) const {

@@ -13,12 +13,14 @@ namespace {
 /// Sine of the angle between surface and plane below which they count as touching.
 constexpr double touching = 1e-9;
 
-/// Rounding of a height above the plane: a few ulp of the coordinates.
-double rounding(const Vec3& p, const Vec3& origin) {
-  return 4e-16 * (p.cwiseAbs().maxCoeff() + origin.cwiseAbs().maxCoeff()) + 1e-300;
-}
-
 }  // namespace
+
+March::March(const Skin& skin, const Plane& plane) : skin_(skin), plane_(plane) {
+  // A few ulp of the greatest coordinates that points are computed from.
+  const double reach = std::max({skin.box_min().cwiseAbs().maxCoeff(), skin.box_max().cwiseAbs().maxCoeff(),
+                                 plane.origin.cwiseAbs().maxCoeff()});
+  rounding_ = 1e-15 * reach + 1e-300;
+}
 
 std::optional<MarchPoint> March::at(int face, const Uv& uv, double sense) const {
   MarchPoint m;
@@ -52,7 +54,7 @@ std::optional<Uv> March::onto_plane(int face, Uv uv) const {
   for (int i = 0; i < 20; ++i) {
     const SurfaceDerivatives d = surface.derivatives(uv);
     const double h = height(d.S);
-    if (std::abs(h) <= rounding(d.S, plane_.origin)) return uv;
+    if (std::abs(h) <= rounding_) return uv;
     // Straight down the slope of the height on the surface.
     const Uv slope = tangent_to_uv(d, plane_.normal);
     const double rate = plane_.normal.dot(uv_to_tangent(d, slope));
@@ -60,7 +62,7 @@ std::optional<Uv> March::onto_plane(int face, Uv uv) const {
     const Uv step = slope * (-h / rate);
     if (!step.allFinite()) return std::nullopt;
     uv += step;
-    if (step.norm() <= 1e-15 * uv.norm()) return uv;
+    if (step.norm() <= 4e-16 * uv.norm()) return uv;
   }
   return std::nullopt;
 }
@@ -72,8 +74,7 @@ std::optional<MarchPoint> March::advance(const MarchPoint& from, double h, doubl
     const SurfaceDerivatives d = surface.derivatives(uv);
     const double e1 = height(d.S);
     const double e2 = from.tangent.dot(d.S - from.d.S) - h;
-    const double enough = 4 * rounding(d.S, plane_.origin);
-    if (std::abs(e1) <= enough && std::abs(e2) <= enough + 1e-14 * std::abs(h)) {
+    if (std::abs(e1) <= 2 * rounding_ && std::abs(e2) <= 4 * rounding_ + 1e-14 * std::abs(h)) {
       std::optional<MarchPoint> to = at(from.face, uv, sense);
       // A step that turns by more than 60 degrees has left the branch.
       if (to && to->tangent.dot(from.tangent) < 0.5) return std::nullopt;

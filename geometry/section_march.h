@@ -23,7 +23,7 @@ struct MarchPoint {
 /// n_surface x n_plane from its opposite.
 class March {
  public:
-  March(const Skin& skin, const Plane& plane) : skin_(skin), plane_(plane) {}
+  March(const Skin& skin, const Plane& plane);
 
   double height(const Vec3& p) const { return plane_.normal.dot(p - plane_.origin); }
   double height_rate(const Vec3& direction) const { return plane_.normal.dot(direction); }
@@ -51,10 +51,12 @@ class March {
   std::optional<Step> step_to(const MarchPoint& from, const MarchPoint& to, double sense) const;
 
   const Skin& skin() const { return skin_; }
+  double rounding() const { return rounding_; }
 
  private:
   const Skin& skin_;
   Plane plane_;
+  double rounding_;  ///< of a height above the plane, mm
 };
 
 }  // namespace afptraj::sections

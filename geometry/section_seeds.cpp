@@ -101,6 +101,32 @@ void edge_seeds(const March& march, std::vector<SurfacePoint>& out) {
   }
 }
 
+/// A branch that ends in a pole may meet no other edge: it crosses lines beside the pole.
+void pole_seeds(const March& march, std::vector<SurfacePoint>& out) {
+  const Skin& skin = march.skin();
+  for (const int f : skin.faces()) {
+    const TrimRegion& trim = skin.trim(f);
+    const double size = (trim.box_max() - trim.box_min()).minCoeff();
+    for (const Loop& loop : skin.face(f).loops) {
+      for (const Coedge& coedge : loop.coedges) {
+        if (!skin.part().edges[static_cast<std::size_t>(coedge.edge)].degenerate) continue;
+        const BSplineCurve2& pcurve = coedge.pcurve;
+        Uv along = pcurve.point(pcurve.last()) - pcurve.point(pcurve.first());
+        if (coedge.reversed) along = -along;
+        const Uv inward = Uv(-along.y(), along.x()).normalized();
+        if (!inward.allFinite()) continue;
+        for (const double share : {1e-4, 0.1}) {
+          BSplineCurve2 beside = pcurve;
+          for (Uv& pole : beside.poles) pole += share * size * inward;
+          for (const double t : EdgeRoots(march, f, beside).find()) {
+            if (trim.contains(beside.point(t))) out.push_back({f, beside.point(t)});
+          }
+        }
+      }
+    }
+  }
+}
+
 /// Closed branches inside of a B-spline face. On a Bezier piece the height is a polynomial in
 /// Bernstein form (times a positive weight): of one sign, it is not crossed; monotone in one
 /// direction, it holds no closed branch, so that any branch on it crosses the piece's border.
@@ -275,6 +301,7 @@ void analytic_seeds(const March& march, const Plane& plane, int f, std::vector<S
 std::vector<SurfacePoint> seeds(const March& march, const Plane& plane) {
   std::vector<SurfacePoint> result;
   edge_seeds(march, result);
+  pole_seeds(march, result);
   for (const int f : march.skin().faces()) {
     if (march.skin().face(f).surface.spline() != nullptr) SplineSeeds(march, plane, f, result).find();
     analytic_seeds(march, plane, f, result);

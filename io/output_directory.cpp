@@ -76,7 +76,7 @@ std::string foreign_entry(const fs::path& directory) {
 
 bool lies_in(const fs::path& file, const fs::path& directory) {
   std::error_code problem;
-  const fs::path real = fs::weakly_canonical(file, problem);
+  const fs::path real = fs::weakly_canonical(fs::absolute(file, problem), problem);
   if (problem) return false;
   const auto [rest, end] = std::mismatch(directory.begin(), directory.end(), real.begin(), real.end());
   static_cast<void>(end);
@@ -100,7 +100,7 @@ fs::path resolve(const fs::path& target) {
     cannot(target, "the directory '" + printable(parent.string(), 200) + "' does not exist; create it first (mkdir -p)");
   }
   if (!fs::is_directory(status)) cannot(target, "'" + printable(parent.string(), 200) + "' is not a directory; choose another place with -o");
-  const fs::path real = fs::weakly_canonical(path, problem);
+  const fs::path real = fs::weakly_canonical(fs::absolute(path, problem), problem);
   if (problem) cannot(target, reason_for(problem.value()));
   if (real.filename().string().size() > 255) cannot(target, reason_for(ENAMETOOLONG));
   return real;

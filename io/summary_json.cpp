@@ -129,6 +129,7 @@ Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
           {"total_length_mm", number(r.total_length_mm)},
           {"skin_area_mm2", number(r.skin_area_mm2)},
           {"covered_share", number(r.covered_share)},
+          {"reached_share", number(r.reached_share)},
           {"uncovered", uncovered(r)},
           {"spacing_error_mm", small_number(r.spacing_error_mm)},
           // nothing turns on the surface: the radius is not a number, JSON has null for it

@@ -131,6 +131,16 @@ TEST(OutputDirectory, RefusesTheCurrentDirectory) {
   fs::current_path(before);
 }
 
+TEST(OutputDirectory, TakesRelativeNames) {
+  const TemporaryDirectory scratch;
+  const fs::path before = fs::current_path();
+  fs::current_path(scratch.path());
+  write_result("out", "new");
+  write_result("./out/", "newer", true);
+  fs::current_path(before);
+  EXPECT_EQ(result_of(scratch / "out"), "newer");
+}
+
 TEST(OutputDirectory, FollowsLinks) {
   const TemporaryDirectory scratch;
   fs::create_directory(scratch / "real");

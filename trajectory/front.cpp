@@ -195,14 +195,20 @@ void Front::refine(Strand& strand, int level) const {
       const std::vector<CurveNode> wide = {nodes[i - 1], nodes[i + 1]};
       const Uv miss = cubic(wide, 0).point(h1 / (h1 + h2)) - nodes[i].at.uv;
       const double error = uv_to_tangent(skin.derivatives(nodes[i].at), miss).norm();
-      // The cubic's error at x is f'''' x^2 (h - x)^2 / 24; in the middle of a gap h^4 / 384.
-      if (error * h1 * h1 / (16 * h2 * h2) > options_.hermite_tolerance_mm) halve[i - 1] = 1;
-      if (error * h2 * h2 / (16 * h1 * h1) > options_.hermite_tolerance_mm) halve[i] = 1;
+      // The cubic's error at x is f'''' x^2 (h - x)^2 / 24; in the middle of a gap h^4 / 384. Between
+      // gaps of very different length the estimate would only magnify round-off.
+      const double ratio = std::min(4.0, std::max(h1, h2) / std::min(h1, h2));
+      const double wider = error * ratio * ratio / 16, narrower = error / (16 * ratio * ratio);
+      if ((h1 > h2 ? wider : narrower) > options_.hermite_tolerance_mm) halve[i - 1] = 1;
+      if ((h2 > h1 ? wider : narrower) > options_.hermite_tolerance_mm) halve[i] = 1;
     }
     std::vector<std::size_t> gaps;
     for (std::size_t i = 0; i + 1 < n; ++i) {
-      // Near a focal point rays crowd together in space but not in t: only t bounds the halving.
-      if (halve[i] && strand.rays[i + 1].t - strand.rays[i].t > 1e-3) gaps.push_back(i);
+      if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < 1e-3) continue;
+      // Near a focal point rays crowd together in space but not in t: only t bounds the halving there.
+      const bool focal = std::min(std::abs(strand.rays[i].state.y), std::abs(strand.rays[i + 1].state.y)) < 0.1;
+      if (focal || !joined[i] || chord(skin, strand.rays[i], strand.rays[i + 1]) > 0.02 * options_.sample_mm)
+        gaps.push_back(i);
     }
     if (gaps.empty()) break;
     std::vector<Ray> mids(gaps.size());
@@ -285,6 +291,21 @@ void Front::settle_links() {
     }
 }
 
+namespace {
+
+/// Whether a path has come abreast of its own older part, within `near_mm`.
+bool winds_round(const Skin& skin, const std::vector<GeodesicState>& states, const PathFrame& at, double near_mm) {
+  const double s = states.back().s_mm;
+  for (const GeodesicState& old : states) {
+    if (s - old.s_mm < 3 * near_mm) break;
+    const Vec3 r = skin.point(old.at) - at.position;
+    if (r.norm() < near_mm && std::abs(r.dot(at.tangent)) < 0.25 * near_mm) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link) {
   const Skin& skin = tracer_->skin();
   const std::size_t count = strands_.size();
@@ -305,7 +326,7 @@ void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current,
         if (walked != TraceEnd::reached) break;
         const PathFrame at = frame_of(skin, g);
         const double near = 0.9 * options_.spacing_mm;
-        if (laid.abreast(at.position, at.normal, at.tangent, near, 0.75 * step + options_.sample_mm) ||
+        if (winds_round(skin, states, at, near) || laid.abreast(at.position, at.normal, at.tangent, near, 0.75 * step + options_.sample_mm) ||
             (g.s_mm > 2 * step &&
              current.abreast(at.position, at.normal, at.tangent, 0.5 * options_.spacing_mm, 0.75 * options_.sample_mm))) {
           met = true;

@@ -73,6 +73,7 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
     }
     if (progress && !progress(level)) break;
     for (Front* front : {&left, &right}) front->advance(level, laid);
+    if (getenv("DBG")) for (Front* f : {&left, &right}) { std::size_t n=0; double y0=1e9; for (auto& s : f->strands()) { n+=s.rays.size(); for (auto& r : s.rays) y0=std::min(y0,r.state.y);} fprintf(stderr,"level %d side %d strands %zu rays %zu ymin %g\n", level, f->side(), f->strands().size(), n, y0);}
     LaidCurves current(skin, cell);
     for (Front* front : {&left, &right})
       for (ChainedCurve& chain : level_curves(tracer, *front, level)) current.add(std::move(chain.curve));

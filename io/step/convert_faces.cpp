@@ -1,12 +1,18 @@
 #include "io/step/convert_faces.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include <BRep_Tool.hxx>
+#include <GeomAdaptor_Curve.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 
 #include "io/step/loop_builder.h"
+#include "io/step/match_edges.h"
 #include "io/step/occt.h"
 
 namespace afptraj::step {
@@ -48,6 +54,55 @@ class EdgeBook {
   int crowded_ = 0;
 };
 
+std::vector<double> smooth_intervals(const Handle(Geom_Curve)& curve, double first, double last) {
+  const GeomAdaptor_Curve adaptor(curve, first, last);
+  TColStd_Array1OfReal ends(1, adaptor.NbIntervals(GeomAbs_CN) + 1);
+  adaptor.Intervals(ends, GeomAbs_CN);
+  return {ends.begin(), ends.end()};
+}
+
+/// Curved pcurves that miss the edge's curve in space while the surface does pass through it are
+/// poor images (projections by some program, often OpenCASCADE itself): they are made anew.
+class PcurveRefiner {
+ public:
+  explicit PcurveRefiner(const PlainSurface& plain) : plain_(plain) {}
+
+  void refine(RawCoedge& coedge) {
+    if (coedge.edge.IsNull() || coedge.degenerate || coedge.pcurve.degree == 1) return;
+    double first = 0, last = 0;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(coedge.edge, first, last);
+    BSplineCurve2& pcurve = coedge.pcurve;
+    if (curve.IsNull() || std::abs(first - pcurve.first()) + std::abs(last - pcurve.last()) > 1e-9 * (last - first)) return;
+    if (!surface_) surface_ = make_surface(plain_);
+    const auto point = [&](double t) { return to_vec3(curve->Value(t)); };
+    const auto [distance, at] = deviation(pcurve, point);
+    if (distance <= visible_mm || foot_distance(*surface_, point(at), pcurve.point(at)) > 0.3 * distance) return;
+    BSplineCurve2 better = pcurve_of_feet(point, smooth_intervals(curve, first, last), {&*surface_, &pcurve});
+    if (deviation(better, point).first <= 0.5 * distance) pcurve = std::move(better);
+  }
+
+ private:
+  static constexpr double visible_mm = 1e-6;
+
+  /// Greatest distance from the curve in space, and where.
+  template <class Point>
+  std::pair<double, double> deviation(const BSplineCurve2& pcurve, const Point& point) const {
+    std::pair<double, double> worst{0, pcurve.first()};
+    const std::vector<double> breaks = pcurve.breaks();
+    const int pieces = std::max(4, 64 / static_cast<int>(breaks.size()));
+    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+      for (int k = 0; k < pieces; ++k) {
+        const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * (k + 0.5) / pieces;
+        if (const double d = (surface_->point(pcurve.point(t)) - point(t)).norm(); d > worst.first) worst = {d, t};
+      }
+    }
+    return worst;
+  }
+
+  const PlainSurface& plain_;
+  std::optional<Surface> surface_;
+};
+
 PlainFace convert_face(const SourceFace& source, EdgeBook& book, std::vector<std::string>& repairs) {
   const gp_Trsf placement = source.face.Location().Transformation();
   if (std::abs(std::abs(placement.ScaleFactor()) - 1) > 1e-9) throw Error(ErrorCode::bad_input, "", "its instance is scaled");
@@ -65,9 +120,11 @@ PlainFace convert_face(const SourceFace& source, EdgeBook& book, std::vector<std
   face.step_id = source.step_id;
   face.colour = source.colour;
   face.body = source.in_solid ? source.group : -1;
+  PcurveRefiner refiner(face.surface);
   for (RawLoop& raw_loop : raw.loops) {
     Loop loop;
     for (RawCoedge& coedge : raw_loop) {
+      refiner.refine(coedge);
       const int edge = book.number(coedge, face.body);
       loop.coedges.push_back({std::move(coedge.pcurve), coedge.reversed, edge});
     }

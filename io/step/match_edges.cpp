@@ -178,11 +178,6 @@ Uv foot(const Surface& surface, const Vec3& p, Uv uv) {
   return uv;
 }
 
-double foot_distance(const SpaceCurve& a, const SpaceCurve& b, double t) {
-  const Vec3 p = a.point(t);
-  return (b.surface->point(foot(*b.surface, p, b.pcurve->point(t))) - p).norm();
-}
-
 BSplineCurve2 with_ends(BSplineCurve2 curve, const Uv& first, const Uv& last) {
   curve.poles.front() = first;
   curve.poles.back() = last;
@@ -196,30 +191,6 @@ BSplineCurve2 along_trace(const SpaceCurve& a, const SpaceCurve& b, bool opposit
   breaks = tidy(std::move(breaks), a.first(), a.last());
   BSplineCurve2 curve = interpolate_curve([&](double t) { return b.pcurve->point(map(t)); }, breaks, uv_tolerance(b), most_cells).curve;
   return with_ends(std::move(curve), b.pcurve->point(opposite ? b.last() : b.first()), b.pcurve->point(opposite ? b.first() : b.last()));
-}
-
-/// `b` in the parametrisation of `a` already, as feet of a(t); twice, because where b crosses the
-/// knots of its surface is known only from the first.
-BSplineCurve2 along_feet(const SpaceCurve& a, const SpaceCurve& b) {
-  const Uv at_first = b.pcurve->point(b.first()) - foot(*b.surface, a.point(a.first()), b.pcurve->point(b.first()));
-  const Uv at_last = b.pcurve->point(b.last()) - foot(*b.surface, a.point(a.last()), b.pcurve->point(b.last()));
-  BSplineCurve2 curve = *b.pcurve;
-  for (const double loosen : {1e4, 1.0}) {
-    const SpaceCurve seed{b.surface, &curve};
-    std::vector<double> breaks = smooth_breaks(a);
-    const std::vector<double> more = smooth_breaks(seed);
-    breaks.insert(breaks.end(), more.begin(), more.end());
-    breaks = tidy(std::move(breaks), a.first(), a.last());
-    const BSplineCurve2 start = curve;
-    curve = interpolate_curve(
-                [&](double t) {
-                  const double x = (t - a.first()) / (a.last() - a.first());
-                  return Uv(foot(*b.surface, a.point(t), start.point(t)) + (1 - x) * at_first + x * at_last);
-                },
-                breaks, loosen * uv_tolerance(b), most_cells)
-                .curve;
-  }
-  return with_ends(std::move(curve), b.pcurve->point(b.first()), b.pcurve->point(b.last()));
 }
 
 }  // namespace
@@ -283,10 +254,33 @@ BSplineCurve2 in_parameters_of(const SpaceCurve& a, const SpaceCurve& b, bool op
   };
   const double off_trace = trace_distance(a, b, gap.t);
   if (off_trace < 0.5 * gap.distance) take(along_trace(a, b, opposite), 0.7);
-  if (gap.distance > visible_mm && foot_distance(a, {b.surface, &best}, gap.t) < 0.2 * gap.distance) {
-    take(along_feet(a, {b.surface, &best}), 0.2);
+  if (gap.distance > visible_mm && foot_distance(*b.surface, a.point(gap.t), best.point(gap.t)) < 0.7 * gap.distance) {
+    take(pcurve_of_feet([&](double t) { return a.point(t); }, smooth_breaks(a), {b.surface, &best}), 0.7);
   }
   return best;
+}
+
+double foot_distance(const Surface& surface, const Vec3& point, const Uv& start) {
+  return (surface.point(foot(surface, point, start)) - point).norm();
+}
+
+BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std::vector<double>& breaks, const SpaceCurve& seed) {
+  const Uv first = seed.pcurve->point(seed.first()), last = seed.pcurve->point(seed.last());
+  const Uv at_first = first - foot(*seed.surface, curve(seed.first()), first);
+  const Uv at_last = last - foot(*seed.surface, curve(seed.last()), last);
+  BSplineCurve2 result = *seed.pcurve;
+  // Twice, because where the curve crosses the knots of the surface is known only from the first.
+  for (const double loosen : {1e4, 1.0}) {
+    const BSplineCurve2 start = result;
+    std::vector<double> all = smooth_breaks({seed.surface, &start});
+    all.insert(all.end(), breaks.begin(), breaks.end());
+    const auto feet = [&](double t) {
+      const double x = (t - seed.first()) / (seed.last() - seed.first());
+      return Uv(foot(*seed.surface, curve(t), start.point(t)) + (1 - x) * at_first + x * at_last);
+    };
+    result = interpolate_curve(feet, tidy(std::move(all), seed.first(), seed.last()), loosen * uv_tolerance(seed), most_cells).curve;
+  }
+  return with_ends(std::move(result), first, last);
 }
 
 std::pair<BSplineCurve2, BSplineCurve2> split_curve(const BSplineCurve2& curve, double t) {

@@ -2,7 +2,7 @@
 
 // Private to io/step: curves on surfaces that should be the same curve of space. No OpenCASCADE here.
 
-#include <optional>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -51,9 +51,15 @@ Gap greatest_gap(const SpaceCurve& a, const SpaceCurve& b);
 /// samples promise that it brings a and b closer together:
 ///   1. an affine change of parameter;
 ///   2. the nearest point of b's own trace, interpolated to 1e-10 mm;
-///   3. the foot of a(t) on b's surface: b's pcurve was a poor image of the common edge. Taken only
-///      if it brings the curves at least five times nearer; the ends stay.
+///   3. the feet of a(t) on b's surface: b's pcurve was a poor image of the common edge.
 BSplineCurve2 in_parameters_of(const SpaceCurve& a, const SpaceCurve& b, bool opposite);
+
+/// The pcurve through the feet of the points `curve`(t) on the surface of `seed`, a pcurve near to
+/// it with the same domain whose ends it keeps. `breaks`: where `curve` is not smooth.
+BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std::vector<double>& breaks, const SpaceCurve& seed);
+
+/// Distance of a point from the surface, by its foot near `start`.
+double foot_distance(const Surface& surface, const Vec3& point, const Uv& start);
 
 /// Both parts of a curve cut at `t` inside its domain, by knot insertion.
 std::pair<BSplineCurve2, BSplineCurve2> split_curve(const BSplineCurve2& curve, double t);

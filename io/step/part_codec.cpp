@@ -175,18 +175,6 @@ void walk(Codec& codec, PlainModel& model) {
   }
 }
 
-Surface prepare(PlainSurface& plain) {
-  switch (plain.kind) {
-    case SurfaceKind::plane: return Surface::plane(plain.frame);
-    case SurfaceKind::cylinder: return Surface::cylinder(plain.frame, plain.radius);
-    case SurfaceKind::cone: return Surface::cone(plain.frame, plain.radius, plain.second);
-    case SurfaceKind::sphere: return Surface::sphere(plain.frame, plain.radius);
-    case SurfaceKind::torus: return Surface::torus(plain.frame, plain.radius, plain.second);
-    case SurfaceKind::bspline: return Surface::bspline(std::move(plain.spline));
-  }
-  throw Error(ErrorCode::internal, "STEP importer", "unknown kind of surface");
-}
-
 }  // namespace
 
 std::string encode(const PlainModel& model) {
@@ -204,6 +192,18 @@ PlainModel decode(std::string_view bytes) {
   return model;
 }
 
+Surface make_surface(PlainSurface plain) {
+  switch (plain.kind) {
+    case SurfaceKind::plane: return Surface::plane(plain.frame);
+    case SurfaceKind::cylinder: return Surface::cylinder(plain.frame, plain.radius);
+    case SurfaceKind::cone: return Surface::cone(plain.frame, plain.radius, plain.second);
+    case SurfaceKind::sphere: return Surface::sphere(plain.frame, plain.radius);
+    case SurfaceKind::torus: return Surface::torus(plain.frame, plain.radius, plain.second);
+    case SurfaceKind::bspline: return Surface::bspline(std::move(plain.spline));
+  }
+  throw Error(ErrorCode::internal, "STEP importer", "unknown kind of surface");
+}
+
 StepModel to_step_model(PlainModel model, const std::string& where) {
   StepModel result = std::move(model.head);
   result.part.edges = std::move(model.edges);
@@ -211,7 +211,7 @@ StepModel to_step_model(PlainModel model, const std::string& where) {
   for (PlainFace& plain : model.faces) {
     const std::string entity = plain.step_id > 0 ? where + ":#" + std::to_string(plain.step_id) : where;
     try {
-      result.part.faces.push_back({prepare(plain.surface), plain.reversed, std::move(plain.loops), std::move(plain.name),
+      result.part.faces.push_back({make_surface(std::move(plain.surface)), plain.reversed, std::move(plain.loops), std::move(plain.name),
                                    std::move(plain.instance), plain.step_id});
     } catch (const std::invalid_argument& fault) {
       throw Error(ErrorCode::bad_input, entity, std::string("has a surface that cannot be evaluated (") + fault.what() + "); export it again");

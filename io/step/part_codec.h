@@ -40,6 +40,9 @@ struct PlainModel {
 std::string encode(const PlainModel& model);
 PlainModel decode(std::string_view bytes);
 
+/// The surface of the data. Throws std::invalid_argument when it does not fit together.
+Surface make_surface(PlainSurface plain);
+
 /// Prepares the surfaces. Throws Error(bad_input) with the entity when one does not fit together.
 StepModel to_step_model(PlainModel model, const std::string& where);
 

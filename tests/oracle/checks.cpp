@@ -21,6 +21,23 @@ Vec oriented(const Skin& skin, const Foot& at, const Vec& like) {
   return n * like < 0 ? n.Reversed() : n;
 }
 
+double oriented_cosine(const Skin& skin, const Foot& p, const Sample& c) {
+  return skin.jet(p.face, p.u, p.v).normal() * skin.jet(c.at.face, c.at.u, c.at.v).normal() *
+         skin.sense(p.face) * skin.sense(c.at.face);
+}
+
+// Where the candidate does not face the same way, the way to it leads round an edge: its chord says nothing,
+// so both sides are tried with the expected length.
+DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p, double s0, bool facing,
+                              double expected) {
+  if (facing) return geodesic_distance(skin, k, p, s0);
+  const DistanceResult left = geodesic_distance(skin, k, p, s0, expected, 1);
+  const DistanceResult right = geodesic_distance(skin, k, p, s0, expected, -1);
+  using Kind = DistanceResult::Kind;
+  if (left.kind == Kind::found && right.kind == Kind::found) return left.distance < right.distance ? left : right;
+  return left.kind == Kind::found || right.kind != Kind::found ? left : right;
+}
+
 // Segment numbers (indices) of each course.
 std::map<int, std::vector<int>> by_course(const PlyPaths& ply) {
   std::map<int, std::vector<int>> courses;
@@ -133,14 +150,14 @@ CrossingCheck check_crossings(const PlyPaths& ply, double band_mm) {
   return check;
 }
 
-DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0) {
+DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0, double d0, int side0) {
   using Kind = DistanceResult::Kind;
   DistanceResult result;
   // From an end that is the nearest point of all, failure means that the foot lies beyond it.
   const bool at_end = !segment.closed && (s0 <= segment.samples.front().s || s0 >= segment.samples.back().s);
   const Kind failed = at_end ? Kind::beyond_end : Kind::unresolved;
   result.kind = failed;
-  double s = s0, d = -1, side = 1;
+  double s = s0, d = d0, side = side0;
   int clamped = 0, clamps = 0;
   const double first = segment.samples.front().s, last = segment.samples.back().s;
   for (int iteration = 0; iteration < 25; ++iteration) {
@@ -149,9 +166,9 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
     const Vec n = oriented(skin, start, segment.samples[c.i].n);
     const Vec t = (c.t - n * (n * c.t)).Normalized();
     const Vec left = n ^ t;
-    if (d < 0) {
+    if (d <= 0) {
       const Vec r = p.point - start.point;
-      side = r * left < 0 ? -1 : 1;
+      if (side == 0) side = r * left < 0 ? -1 : 1;
       d = std::max(r.Modulus(), 1e-9);
     }
     const Shot shot = shoot(skin, start, n, left * side, d, -side * c.kg);
@@ -210,18 +227,20 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         const double s = 0.5 * (segment.samples[i].s + segment.samples[i + 1].s);
         const Foot p = skin.nearest(segment.at(s).x, &segment.samples[i].at, 1e-3);
         DistanceResult best;
-        bool beyond = false, open = false;
+        bool beyond = false, open = false, faced = false;
         for (const ChordHit& hit : index.near(p.point, 1.5 * band_mm, 2 * band_mm)) {
           const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
           const double s0 = k.samples[hit.i].s + hit.x * (k.samples[hit.i + 1].s - k.samples[hit.i].s);
-          const DistanceResult d = geodesic_distance(skin, k, p, s0);
+          const bool facing = oriented_cosine(skin, p, k.samples[hit.i]) > 0.3;
+          const DistanceResult d = distance_round(skin, k, p, s0, facing, band_mm);
           if (d.kind == DistanceResult::Kind::beyond_end) beyond = true;
-          if (d.kind == DistanceResult::Kind::unresolved) open = true;
+          if (d.kind == DistanceResult::Kind::unresolved) open = open || facing;
+          faced = faced || facing;
           if (d.kind != DistanceResult::Kind::found) continue;
           if (best.kind != DistanceResult::Kind::found || d.distance < best.distance) best = d;
         }
         if (best.kind != DistanceResult::Kind::found) {
-          ++(open && !beyond ? check.unresolved : check.beyond_end);
+          ++((open || !faced) && !beyond ? check.unresolved : check.beyond_end);
           continue;
         }
         const double error = std::abs(best.distance - band_mm);
@@ -294,7 +313,8 @@ double distance_to_centre_line(const Skin& skin, const PlyPaths& ply, const Chor
     const double arc = arc_of(hit.distance, cosine);
     if (arc < 0.97 * allowed && cosine > 0.7) return arc;
     ++measured;
-    const DistanceResult d = geodesic_distance(skin, k, p, c.s + hit.x * (k.samples[hit.i + 1].s - c.s));
+    const double s0 = c.s + hit.x * (k.samples[hit.i + 1].s - c.s);
+    const DistanceResult d = distance_round(skin, k, p, s0, cosine > 0.3, allowed);
     if (d.kind == DistanceResult::Kind::found)
       least = std::min(least, d.distance);
     else if (cosine > 0.2)

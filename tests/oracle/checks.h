@@ -77,6 +77,8 @@ struct DistanceResult {
   double distance = 0, s = 0;
   bool left_skin = false;
 };
-DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0);
+/// `d0` > 0 and `side` (1 left, -1 right) replace the chord as the first guess.
+DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0, double d0 = 0,
+                                 int side = 0);
 
 }  // namespace oracle

@@ -1,0 +1,408 @@
+// The program as a whole: exit codes, messages, and what it leaves on the disk.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/temporary_directory.h"
+
+namespace afptraj {
+namespace {
+
+namespace fs = std::filesystem;
+using test::content_of;
+using test::TemporaryDirectory;
+
+const std::string samples = std::string(AFPTRAJ_SOURCE_DIR) + "/samples/";
+const std::string panel = samples + "panel/part.step";
+const std::string panel_plies = samples + "panel/plies.csv";
+
+struct Outcome {
+  int code = 0;  // minus the signal that ended it
+  std::string out, err;
+};
+
+// A run of the program in a directory, started with start() and awaited with wait().
+class Program {
+ public:
+  Program(const fs::path& directory, std::vector<std::string> arguments, const std::function<void()>& prepare = {})
+      : out_(directory.parent_path() / (directory.filename().string() + ".stdout")),
+        err_(directory.parent_path() / (directory.filename().string() + ".stderr")) {
+    pid_ = ::fork();
+    if (pid_ != 0) return;
+    if (::chdir(directory.c_str()) != 0) ::_exit(99);
+    const int null = ::open("/dev/null", O_RDONLY);
+    const int out = ::open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err = ::open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    ::dup2(null, 0), ::dup2(out, 1), ::dup2(err, 2);
+    if (prepare) prepare();
+    std::vector<char*> words{const_cast<char*>("afptraj")};
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
+    ::execv(AFPTRAJ_PROGRAM, words.data());
+    ::_exit(98);
+  }
+  void signal(int number) const { ::kill(pid_, number); }
+  Outcome wait() const {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content_of(out_), content_of(err_)};
+  }
+
+ private:
+  fs::path out_, err_;
+  pid_t pid_ = -1;
+};
+
+class Cli : public testing::Test {
+ protected:
+  Cli() { fs::create_directory(work()); }
+  fs::path work() const { return scratch_ / "work"; }
+  fs::path operator/(const std::string& name) const { return work() / name; }
+  std::string write(const std::string& name, const std::string& content) const { return scratch_.write("work/" + name, content); }
+
+  Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const {
+    return Program(work(), arguments, prepare).wait();
+  }
+  // One ply of the panel: enough to see the program work, and quick.
+  std::string one_ply() const {
+    return write("one.csv", "ply,x,y,z,dx,dy,dz\nP,500,300,70,1,0,0\n");
+  }
+  std::set<std::string> names() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(work())) names.insert(entry.path().filename().string());
+    return names;
+  }
+
+  TemporaryDirectory scratch_;
+};
+
+#define EXPECT_HAS(text, words) EXPECT_NE((text).find(words), std::string::npos) << (text)
+
+// An error is one line "afptraj: where: what; fix" on stderr, and nothing else anywhere.
+void expect_error(const Outcome& outcome, int code, const std::string& words) {
+  EXPECT_EQ(outcome.code, code) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_EQ(outcome.err.rfind("afptraj: ", 0), 0u) << outcome.err;
+  EXPECT_HAS(outcome.err, words);
+}
+
+TEST_F(Cli, TellsVersionAndHelp) {
+  EXPECT_EQ(run({"--version"}).out.rfind("afptraj 0.", 0), 0u);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"--help"}, {"-h"}, {"run", "--help"}, {"inspect", "-h"}, {"doctor", "--help"}}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_HAS(outcome.out, "Usage");
+  }
+  EXPECT_HAS(run({"run", "--help"}).out, "Examples:");
+}
+
+TEST_F(Cli, DoctorTellsVersions) {
+  EXPECT_HAS(run({"doctor"}).out, "OpenCASCADE");
+  const auto json = nlohmann::json::parse(run({"doctor", "--json"}).out);
+  for (const auto& [name, version] : json["versions"].items()) EXPECT_NE(version, "") << name;
+}
+
+TEST_F(Cli, NamesTheNearestOfWhatItDoesNotKnow) {
+  expect_error(run({}), 2, "names no command");
+  expect_error(run({"rnu", "a", "b"}), 2, "rnu: unknown command; did you mean 'run'?");
+  expect_error(run({"run", "a", "b", "--tow-widht", "6"}), 2, "--tow-widht: unknown flag; did you mean '--tow-width'?");
+  expect_error(run({"run", "a", "b", "--stp=2"}), 2, "--stp: unknown flag; did you mean '--step'?");
+  expect_error(run({"run", "a", "b", "c"}), 2, "c: is one argument too many");
+  expect_error(run({"run"}), 2, "needs surface.step and plies.csv");
+  expect_error(run({"run", "a"}), 2, "needs plies.csv");
+  expect_error(run({"run", "a", "b", "--step"}), 2, "--step: needs a value");
+  expect_error(run({"inspect"}), 2, "needs a STEP file");
+  EXPECT_TRUE(fs::is_empty(work()));
+}
+
+TEST_F(Cli, JudgesValues) {
+  const auto with = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> words{"run", panel, one_ply()};
+    words.insert(words.end(), flags.begin(), flags.end());
+    return run(words);
+  };
+  expect_error(with({"--step", "0"}), 2, "--step: planning.step = 0 is out of range; it must lie in 0.01 ... 100 mm");
+  expect_error(with({"--step", "1,5"}), 2, "'1,5' is not a number");
+  expect_error(with({"--tow-width", "nan"}), 2, "--tow-width");
+  expect_error(with({"--tows", "2.5"}), 2, "not a whole number");
+  expect_error(with({"--threads", "0"}), 2, "--threads: 0 is out of range; it must lie in 1 ... 1024");
+  expect_error(with({"--threads", "10000"}), 2, "--threads");
+  expect_error(with({"--unit", "yard"}), 2, "it is one of mm, cm, m, in, ft");
+  expect_error(with({"--face", "0"}), 2, "numbered from 1");
+  expect_error(with({"--face", "7"}), 2, "face 7 does not exist; the part has faces 1 to 1");
+  expect_error(with({"--face-name", "skin"}), 2, "no face is named 'skin'");
+  expect_error(with({"--face", "1", "--tangent-from", "1"}), 2, "more than one way");
+  expect_error(with({"-q", "-v"}), 2, "contradicts");
+  expect_error(with({"--job", "absent.toml"}), 2, "absent.toml: no such file");
+  expect_error(with({"--job", write("job.toml", "[planning]\nstpe = 1\n")}), 2, "job.toml:2:1: unknown key 'stpe' in [planning]; did you mean 'step'?");
+  expect_error(with({"--tow-width", "700"}), 2, "smaller than tow_width");
+  EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "job.toml"}));
+}
+
+struct BadPart {
+  const char* name;
+  std::string content;
+  int code;
+  std::string words;
+};
+class CliBadPart : public Cli, public testing::WithParamInterface<BadPart> {};
+
+TEST_P(CliBadPart, IsRefusedInOneLine) {
+  const std::string path = write("part.step", GetParam().content);
+  const std::string plies = one_ply();
+  expect_error(run({"run", path, plies, "-o", "out"}), GetParam().code, GetParam().words);
+  expect_error(run({"inspect", path}), GetParam().code, GetParam().words);
+  EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "part.step"}));
+}
+
+std::string step_file(const std::string& data) {
+  return "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
+         "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\n" + data + "ENDSEC;\nEND-ISO-10303-21;\n";
+}
+
+using namespace std::string_literals;
+INSTANTIATE_TEST_SUITE_P(
+    Table, CliBadPart,
+    testing::Values(BadPart{"Empty", "", 3, "part.step"}, BadPart{"Blank", " \n\t\n", 3, "part.step"},
+                    BadPart{"Nul", std::string(1000, '\0'), 3, "part.step"},
+                    BadPart{"Random", "\x01\x02\xff\xfe\x80garbage"s, 3, "part.step"},
+                    BadPart{"Png", "\x89PNG\r\n\x1a\n", 3, "PNG"}, BadPart{"Utf16", "\xff\xfeI\0S\0O\0"s, 3, "UTF-16"},
+                    BadPart{"HeaderOnly", "ISO-10303-21;\nHEADER;\nENDSEC;\n", 3, "part.step"},
+                    BadPart{"NoEntities", step_file(""), 3, "part.step"},
+                    BadPart{"NaN", step_file("#1=CARTESIAN_POINT('',(NaN,0.,0.));\n"), 3, "part.step"},
+                    BadPart{"NoFace", step_file("#1=CARTESIAN_POINT('',(1.,0.,0.));\n"), 3, "part.step"},
+                    BadPart{"Nested", step_file("#1=CARTESIAN_POINT('',"s + std::string(200000, '(') + std::string(200000, ')') + ");\n"), 3, "part.step"},
+                    BadPart{"OpenString", step_file("#1=CARTESIAN_POINT('abc,(1.,0.,0.));\n"), 3, "part.step"},
+                    BadPart{"Csv", "ply,x,y,z,dx,dy,dz\nA,1,2,3,1,0,0\n", 3, "part.step"}),
+    [](const auto& info) { return info.param.name; });
+
+TEST_F(Cli, RefusesWhatIsNoFile) {
+  const std::string plies = one_ply();
+  expect_error(run({"run", "absent.step", plies}), 3, "absent.step: no such file");
+  expect_error(run({"run", "/tmp", plies}), 3, "is a directory");
+  expect_error(run({"run", panel, "absent.csv"}), 3, "absent.csv: no such file");
+  expect_error(run({"inspect", "absent.step"}), 3, "absent.step");
+  ASSERT_EQ(::mkfifo((*this / "pipe").c_str(), 0600), 0);
+  expect_error(run({"run", "pipe", plies}), 3, "device or pipe");
+  expect_error(run({"run", panel, "pipe"}), 3, "device or pipe");
+}
+
+TEST_F(Cli, RefusesBadPliesAndWritesNothing) {
+  const std::string head = "ply,x,y,z,dx,dy,dz\n";
+  for (const auto& [content, words] : std::vector<std::pair<std::string, std::string>>{
+           {"", "is empty"},
+           {head, "no rows"},
+           {"ply;x;y\n", "semicolons"},
+           {head + "P,nan,0,0,1,0,0\n", "bad.csv:2: column 'x'"},
+           {head + "P,500,300,70,0,0,0\n", "bad.csv:2: the direction"},
+           {head + "P,500,300,9000,1,0,0\n", "bad.csv:2"},  // far from the skin: names row and distance
+       }) {
+    const std::string path = write("bad.csv", content);
+    expect_error(run({"run", panel, path, "-o", "out"}), 3, words);
+    EXPECT_EQ(names(), (std::set<std::string>{"bad.csv"}));
+  }
+}
+
+// Every malformed real file gives its exit code, one line, nothing written.
+TEST_F(Cli, RefusesMalformedRealFiles) {
+  const fs::path folder = fs::path(AFPTRAJ_SHARED_DIR) / "data/steps/malformed";
+  if (!fs::is_directory(folder)) GTEST_SKIP() << folder << " is not here";
+  const std::string plies = one_ply();
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename() == "no_freeform_as1_assembly.stp") continue;  // valid: planes and cylinders
+    const Outcome outcome = run({"run", entry.path().string(), plies, "-o", "out"});
+    expect_error(outcome, 3, entry.path().filename().string());
+  }
+  EXPECT_EQ(names(), (std::set<std::string>{"one.csv"}));
+}
+
+TEST_F(Cli, RefusesBadOutputPlaces) {
+  const std::string plies = one_ply();
+  write("file", "x");
+  expect_error(run({"run", panel, plies, "-o", "absent/out"}), 5, "does not exist; create it first");
+  expect_error(run({"run", panel, plies, "-o", "file"}), 5, "is a file");
+  expect_error(run({"run", panel, plies, "-o", "one.csv"}), 5, "is an input file");
+  expect_error(run({"run", panel, plies, "-o", "/proc/out"}), 5, "/proc/out");
+  expect_error(run({"run", panel, plies, "-o", std::string(300, 'x')}), 5, "too long");
+  fs::create_directory(*this / "mine");
+  write("mine/notes.txt", "x");
+  expect_error(run({"run", panel, plies, "-o", "mine", "--force"}), 5, "'notes.txt', which afptraj did not write");
+  EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "file", "mine"}));
+}
+
+TEST_F(Cli, RunsToItsFiles) {
+  const std::string plies = one_ply();
+  const Outcome first = run({"run", panel, plies});
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_HAS(first.out, "ply P: ");
+  EXPECT_HAS(first.out, "wrote part-afptraj/{paths.csv,paths.step,summary.json}");
+  std::set<std::string> files;
+  for (const auto& entry : fs::directory_iterator(*this / "part-afptraj")) files.insert(entry.path().filename().string());
+  EXPECT_EQ(files, (std::set<std::string>{"paths.csv", "paths.step", "summary.json"}));
+  EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "part-afptraj"}));
+
+  expect_error(run({"run", panel, plies}), 5, "exists; give --force to replace it");
+  const Outcome json = run({"run", panel, plies, "--force", "--json"});
+  EXPECT_EQ(json.code, 0);
+  EXPECT_EQ(json.out, content_of(*this / "part-afptraj/summary.json"));
+  EXPECT_EQ(nlohmann::json::parse(json.out)["plies"][0]["ply"], "P");
+  const Outcome quiet = run({"run", panel, plies, "--force", "-q"});
+  EXPECT_EQ(quiet.out + quiet.err, "");
+}
+
+// Same input, any thread count: same bytes, but for the one member "times".
+TEST_F(Cli, GivesTheSameBytesWithAnyNumberOfThreads) {
+  const std::string plies = one_ply();
+  std::string csv, step, summary;
+  for (const std::string threads : {"1", "2", "5"}) {
+    ASSERT_EQ(run({"run", panel, plies, "-o", "out", "--force", "--threads", threads}).code, 0);
+    auto json = nlohmann::json::parse(content_of(*this / "out/summary.json"));
+    EXPECT_EQ(json["times"]["threads"], std::stoi(threads));
+    json.erase("times");
+    if (csv.empty()) {
+      csv = content_of(*this / "out/paths.csv"), step = content_of(*this / "out/paths.step"), summary = json.dump();
+    }
+    EXPECT_EQ(content_of(*this / "out/paths.csv") == csv, true) << threads;
+    EXPECT_EQ(content_of(*this / "out/paths.step") == step, true) << threads;
+    EXPECT_EQ(json.dump(), summary);
+  }
+}
+
+TEST_F(Cli, StrictTurnsViolationsIntoOne) {
+  const std::string plies = one_ply();
+  const std::string job = write("job.toml", "[limits]\nmax_angle_deviation = 0.001\n");
+  EXPECT_EQ(run({"run", panel, plies, "-o", "out", "--job", job}).code, 0);
+  const Outcome strict = run({"run", panel, plies, "-o", "out", "--job", job, "--force", "--strict"});
+  EXPECT_EQ(strict.code, 1);
+  EXPECT_HAS(strict.out, "VIOLATED");
+  EXPECT_TRUE(fs::exists(*this / "out/paths.csv"));
+}
+
+TEST_F(Cli, FlagOverridesJob) {
+  const std::string plies = one_ply();
+  const std::string job = write("job.toml", "[head]\ntows = 4\n[planning]\nstep = 3\n[faces]\nname = \"x\"\n");
+  ASSERT_EQ(run({"run", panel, plies, "-o", "out", "--job", job, "--tows", "16", "--face", "1"}).code, 0);
+  const auto options = nlohmann::json::parse(content_of(*this / "out/summary.json"))["options"];
+  EXPECT_EQ(options["head"]["tows"], 16);
+  EXPECT_EQ(options["planning"]["step"], 3);
+  EXPECT_EQ(options["faces"]["list"], "1");
+  EXPECT_TRUE(options["faces"]["name"].is_null());
+}
+
+// A ply point far beside the part in a table of many plies: long enough to interrupt.
+std::string long_work(const Cli&) {
+  std::string text = "ply,x,y,z,dx,dy,dz\n";
+  for (int i = 0; i < 400; ++i) text += "P" + std::to_string(i) + ",500,300,70,1,0." + std::to_string(i % 90 + 10) + ",0\n";
+  return text;
+}
+
+class CliStop : public Cli, public testing::WithParamInterface<std::pair<int, int>> {};
+TEST_P(CliStop, LeavesNothing) {
+  const auto [signal, code] = GetParam();
+  const std::string plies = write("many.csv", long_work(*this));
+  const Program program(work(), {"run", panel, plies, "-o", "out", "-q"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  program.signal(signal);
+  const auto asked = std::chrono::steady_clock::now();
+  const Outcome outcome = program.wait();
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(4));
+  expect_error(outcome, code, "nothing was written");
+  EXPECT_EQ(names(), (std::set<std::string>{"many.csv"}));
+}
+INSTANTIATE_TEST_SUITE_P(Signals, CliStop, testing::Values(std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}));
+
+TEST_F(Cli, StopsWhenTimeIsUp) {
+  const std::string plies = write("many.csv", long_work(*this));
+  expect_error(run({"run", panel, plies, "-o", "out", "-q", "--timeout", "0.5"}), 6, "time is up");
+  EXPECT_EQ(names(), (std::set<std::string>{"many.csv"}));
+}
+
+TEST_F(Cli, SurvivesOddSurroundings) {
+  const std::string plies = one_ply();
+  const std::vector<std::string> words{"run", panel, plies, "-o", "out", "--force"};
+  const auto surroundings = std::vector<std::pair<const char*, std::function<void()>>>{
+      {"comma locale", [] { ::setenv("LC_ALL", "de_DE.UTF-8", 1); }},
+      {"no environment", [] { ::clearenv(); }},
+      {"no standard streams", [] { ::close(0), ::close(1), ::close(2); }},
+      {"stdin closed", [] { ::close(0); }},
+      {"unlimited stack", [] { const rlimit limit{RLIM_INFINITY, RLIM_INFINITY}; ::setrlimit(RLIMIT_STACK, &limit); }},
+  };
+  std::string csv;
+  for (const auto& [name, prepare] : surroundings) {
+    const Outcome outcome = run(words, prepare);
+    EXPECT_EQ(outcome.code, 0) << name << ": " << outcome.err;
+    const std::string now = content_of(*this / "out/paths.csv");
+    if (csv.empty()) csv = now;
+    EXPECT_TRUE(now == csv) << name;
+  }
+}
+
+TEST_F(Cli, SaysWhenStdoutIsFull) {
+  const Outcome outcome = run({"inspect", panel}, [] { ::dup2(::open("/dev/full", O_WRONLY), 1); });
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_HAS(outcome.err, "stdout");
+}
+
+TEST_F(Cli, EndsQuietlyWhenItsReaderIsGone) {
+  const Outcome outcome = run({"inspect", panel}, [] {
+    int ends[2];
+    if (::pipe(ends) != 0) ::_exit(97);
+    ::close(ends[0]);
+    ::dup2(ends[1], 1);
+  });
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(Cli, SaysWhenAFileMayNotGrow) {
+  const std::string plies = one_ply();
+  expect_error(run({"run", panel, plies, "-o", "out", "-q"},
+                   [] {
+                     const rlimit limit{20000, 20000};
+                     ::setrlimit(RLIMIT_FSIZE, &limit);
+                   }),
+               5, "ulimit -f");
+  EXPECT_EQ(names(), (std::set<std::string>{"one.csv"}));
+}
+
+TEST_F(Cli, InspectsEverySample) {
+  for (const auto& [sample, faces] : std::vector<std::pair<std::string, std::size_t>>{
+           {"panel", 1}, {"wing", 6}, {"hole", 1}, {"dome", 1}, {"duct", 1}, {"saddle", 1}}) {
+    const Outcome outcome = run({"inspect", samples + sample + "/part.step", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["faces"].size(), faces) << sample;
+    EXPECT_EQ(json["groups"], 1) << sample;
+    EXPECT_EQ(json["faces"][0]["revolution"].is_null(), sample != "dome") << sample;
+    EXPECT_GT(json["faces"][0]["area_mm2"], 1e5) << sample;
+  }
+}
+
+// A file in metres that declares millimetres is obeyed, with a warning that names the way out.
+TEST_F(Cli, WarnsOfTheUnitTrap) {
+  const Outcome outcome = run({"inspect", panel, "--unit", "mm"});
+  EXPECT_EQ(outcome.err, "");
+  // the panel's numbers taken as if a metre were declared: a part of a kilometre
+  EXPECT_EQ(run({"inspect", panel, "--unit", "m", "--json"}).err, "");  // the user has spoken
+  const fs::path blade = fs::path(AFPTRAJ_SHARED_DIR) / "data/steps/iea15mw_blade_cfd.stp";
+  if (!fs::exists(blade)) GTEST_SKIP() << blade << " is not here";
+  EXPECT_HAS(run({"inspect", blade.string()}).err, "use --unit m");
+}
+
+}  // namespace
+}  // namespace afptraj
