@@ -31,7 +31,6 @@ struct Inspection {
   int groups = 0;
   Vec3 box_min, box_max;
   std::vector<std::string> warnings;
-  double diagonal() const { return faces.empty() ? 0 : (box_max - box_min).norm(); }
 };
 
 // A B-spline counts as turned when it is so to this share of its size, and at least to 0.01 mm.
@@ -63,7 +62,6 @@ Inspection inspect_part(const Arguments& arguments) {
     }
   }
   out.warnings = out.model.warnings;
-  for (const std::string& warning : unit_warnings(out.model, out.diagonal(), !job.unit.empty())) out.warnings.push_back(warning);
   return out;
 }
 

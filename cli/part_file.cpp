@@ -109,15 +109,4 @@ ChosenFaces choose_faces(const std::shared_ptr<const Part>& part, const FaceChoi
   return {group, "tangent-connected group nearest to the ply points," + smooth};
 }
 
-std::vector<std::string> unit_warnings(const StepModel& model, double diagonal_mm, bool unit_given) {
-  constexpr double smallest_mm = 50, greatest_mm = 200000;
-  if (unit_given || (diagonal_mm >= smallest_mm && diagonal_mm <= greatest_mm)) return {};
-  const std::string declared = model.declared_unit.empty() ? "declares no unit" : "declares " + model.declared_unit;
-  const bool small = diagonal_mm < smallest_mm;
-  const double as_metres = diagonal_mm / model.unit_scale_to_mm;
-  return {"the file " + declared + " and the part is " + short_number(small ? diagonal_mm : diagonal_mm / 1000) +
-          (small ? " mm" : " m") + " long; if its numbers are " +
-          (small ? "metres (a part " + short_number(as_metres) + " m long) use --unit m" : "millimetres use --unit mm")};
-}
-
 }  // namespace afptraj::cli

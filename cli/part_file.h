@@ -32,7 +32,4 @@ struct ChosenFaces {
 ChosenFaces choose_faces(const std::shared_ptr<const Part>& part, const FaceChoice& choice,
                          const std::vector<PlyOrientation>& plies);
 
-/// Warnings about the size of the part: a unit trap. `diagonal_mm` is that of its box.
-std::vector<std::string> unit_warnings(const StepModel& model, double diagonal_mm, bool unit_given);
-
 }  // namespace afptraj::cli

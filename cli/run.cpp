@@ -155,9 +155,6 @@ int run(const Arguments& arguments) {
   const ChosenFaces chosen = choose_faces(part, record.job.faces, plies_file.plies);
   record.faces_reason = chosen.reason;
   const Skin skin(part, chosen.faces);
-  for (const std::string& warning : unit_warnings(model, skin.diagonal(), !record.job.unit.empty())) {
-    record.warnings.push_back(arguments.part + ": " + warning);
-  }
   if (!arguments.quiet) {
     for (const std::string& warning : record.warnings) print_note("afptraj: warning: " + warning);
   }

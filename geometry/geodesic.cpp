@@ -37,6 +37,20 @@ constexpr double A[7][6] = {{},
                             {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
 constexpr double B4[7] = {5179. / 57600, 0, 7571. / 16695, 393. / 640, -92097. / 339200, 187. / 2100, 1. / 40};
 
+/// The jump of y' on crossing an edge: the curvature of a fold is concentrated on it, with weight
+/// k_A + k_B per length, the geodesic curvatures of the edge toward either side (Gauss-Bonnet). With
+/// the edge's curvature vector c and the conormals that is c . (into - out); zero where tangent planes agree.
+double fold_jump(double y, const Vec3& curvature, const Vec3& out, const Vec3& into, const Vec3& tangent) {
+  const double across = std::abs(tangent.dot(out));
+  return across > 1e-6 ? -y * curvature.dot(into - out) / across : 0;
+}
+
+/// Curvature vector of a curve from its first two derivatives.
+Vec3 curvature_vector(const Vec3& d1, const Vec3& d2) {
+  const double speed2 = d1.squaredNorm();
+  return speed2 > 0 ? Vec3((d2 - d2.dot(d1) / speed2 * d1) / speed2) : Vec3(Vec3::Zero());
+}
+
 void renormalise(GeodesicState& g, const SurfaceDerivatives& d) {
   const double speed = uv_to_tangent(d, g.duv).norm();
   if (speed > 0) g.duv /= speed;
@@ -192,7 +206,11 @@ bool GeodesicTracer::cross_knot(GeodesicState& state, Span& span) const {
   const Vec3 na = unit_normal(a), nb = unit_normal(b);
   Vec3 t = uv_to_tangent(a, state.duv);
   if (na.dot(nb) < 1 - 1e-14) {
-    const Vec3 edge = (next.iu != span.iu ? a.Sv : a.Su).normalized();
+    const bool across_u = next.iu != span.iu;
+    const Vec3 edge = (across_u ? a.Sv : a.Su).normalized();
+    const Vec3 curvature = across_u ? curvature_vector(a.Sv, a.Svv) : curvature_vector(a.Su, a.Suu);
+    const double sense = t.dot(na.cross(edge)) >= 0 ? 1 : -1;
+    state.dy += fold_jump(state.y, curvature, sense * na.cross(edge), sense * nb.cross(edge), t);
     t = turn_across(t, edge, na, nb);
   }
   state.duv = tangent_to_uv(b, t);
@@ -220,7 +238,8 @@ GeodesicTracer::Crossing GeodesicTracer::enter_mate(GeodesicState& state, const 
   if (na.isZero() || nb.isZero()) return Crossing::singular;
   // Unit edge tangent in the sense of the loop on this side, and the conormals that point out of
   // this face and into the next: left of each loop lies its material.
-  const Uv c1 = out.pcurve.derivatives(t).d1 * (out.reversed ? -1 : 1);
+  const auto c = out.pcurve.derivatives(t);
+  const Uv c1 = c.d1 * (out.reversed ? -1 : 1);
   const Vec3 edge = uv_to_tangent(a, c1).normalized();
   const Vec3 outward = edge.cross(na);
   const Uv c2 = in.pcurve.derivatives(std::clamp(t, in.pcurve.first(), in.pcurve.last())).d1 * (in.reversed ? -1 : 1);
@@ -228,6 +247,10 @@ GeodesicTracer::Crossing GeodesicTracer::enter_mate(GeodesicState& state, const 
   Vec3 inward = nb.cross(other_edge);
   inward = (inward - inward.dot(edge) * edge).normalized();
   const Vec3 tangent = uv_to_tangent(a, state.duv);
+  const Vec3 velocity = uv_to_tangent(a, c.d1);
+  const Vec3 acceleration = uv_to_tangent(a, c.d2) + c.d1.x() * c.d1.x() * a.Suu + 2 * c.d1.x() * c.d1.y() * a.Suv +
+                            c.d1.y() * c.d1.y() * a.Svv;
+  state.dy += fold_jump(state.y, curvature_vector(velocity, acceleration), outward, inward, tangent);
   const Vec3 turned = tangent.dot(edge) * edge + tangent.dot(outward) * inward;
   // (edge, outward, na) is right-handed; the normal goes over with the same handedness.
   const bool kept = edge.cross(inward).dot(nb) * edge.cross(outward).dot(na) > 0;
@@ -241,7 +264,7 @@ GeodesicTracer::Crossing GeodesicTracer::enter_mate(GeodesicState& state, const 
 }
 
 /// Outside of a face whose loops span a period, (u, v) is kept in the window of the loops.
-void GeodesicTracer::wrap_outside(GeodesicState& state) const {
+void GeodesicTracer::wrap_outside(GeodesicState& state, Span& span) const {
   const Surface& surface = skin_->face(state.at.face).surface;
   const TrimRegion& trim = skin_->trim(state.at.face);
   const double period[2] = {surface.period_u(), surface.period_v()};
@@ -249,7 +272,9 @@ void GeodesicTracer::wrap_outside(GeodesicState& state) const {
     if (period[k] <= 0) continue;
     const double lo = trim.box_min()[k], hi = trim.box_max()[k];
     if (hi - lo < period[k] * (1 - 1e-9)) continue;
-    state.at.uv[k] -= period[k] * std::floor((state.at.uv[k] - lo) / period[k]);
+    const double shift = period[k] * std::floor((state.at.uv[k] - lo) / period[k]);
+    state.at.uv[k] -= shift;
+    (k == 0 ? span.shift_u : span.shift_v) -= shift;  // the same piece, one period back
   }
 }
 
@@ -428,7 +453,7 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
     }
     if (state.outside) {
       state.outside_mm += taken;
-      wrap_outside(state);
+      wrap_outside(state, span);
       if (!may_stay_outside(state, span)) return TraceEnd::left;
     }
     if (!cross_knot(state, span)) return TraceEnd::singular;

@@ -79,7 +79,7 @@ class GeodesicTracer {
   enum class Crossing { none, moved, left, singular };
   Crossing cross_loops(GeodesicState& state, const GeodesicState& from, Span& span, double& h) const;
   Crossing enter_mate(GeodesicState& state, const EdgeUse& use, double t) const;
-  void wrap_outside(GeodesicState& state) const;
+  void wrap_outside(GeodesicState& state, Span& span) const;
   bool relocate(GeodesicState& state) const;
   Crossing hop_pole(GeodesicState& state, const Pole& pole, double& walked) const;
   const Pole* approached_pole(const GeodesicState& state, const SurfaceDerivatives& d, double& distance,

@@ -39,6 +39,7 @@ class Trace {
     int idle = 0;  // crossings of loops without progress between them: a vertex has a few
     while (here && curve_.points.size() < most_points && idle < 16) {
       h = std::min({longest(*here), 2 * h, here->kappa > 0 ? 0.3 / here->kappa : options_.step_mm});
+      if (ends_in_pole(*here)) break;
       const std::optional<March::Step> step = good_step(*here, h);
       if (!step) break;
       if (closes(*here, *step)) break;
@@ -121,6 +122,34 @@ class Trace {
     look(0, surface.breaks_u(), surface.period_u());
     look(1, surface.breaks_v(), surface.period_v());
     return first;
+  }
+
+  /// Ends the curve in a pole that lies right ahead on the plane: on its other side the parameters
+  /// jump, so that no step leads over it.
+  bool ends_in_pole(const MarchPoint& here) {
+    for (const Loop& loop : skin_.face(here.face).loops) {
+      for (const Coedge& coedge : loop.coedges) {
+        if (!skin_.part().edges[static_cast<std::size_t>(coedge.edge)].degenerate) continue;
+        const BSplineCurve2& side = coedge.pcurve;
+        const Vec3 pole = skin_.face(here.face).surface.point(side.point(side.first()));
+        const Vec3 way = pole - here.d.S;
+        const double chord = way.norm();
+        // Close enough for the arc of a circle: its error is of the fourth order in the chord.
+        if (chord > 0.02 * options_.step_mm || !(way.dot(here.tangent) > 0)) continue;
+        if (std::abs(march_.height(pole)) > same_place_mm) continue;
+        total_ += chord * (1 + std::pow(here.kappa * chord, 2) / 24);
+        push({here.face, beside(side, here.uv)});
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// The point of a pole's pcurve (a line in (u, v)) nearest to `uv`.
+  static Uv beside(const BSplineCurve2& side, const Uv& uv) {
+    const Uv a = side.point(side.first()), d = side.point(side.last()) - a;
+    const double x = d.squaredNorm() > 0 ? std::clamp((uv - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.0;
+    return a + x * d;
   }
 
   /// Ends the curve at its start if this step passes through it.
@@ -245,16 +274,24 @@ void turn_round(SectionCurve& curve) {
   for (double& s : curve.s_mm) s = length - s;
 }
 
-bool passes_through(const March& march, const SectionCurve& curve, const SurfacePoint& seed) {
+/// A curve with its samples in space.
+struct Branch {
+  SectionCurve curve;
+  std::vector<Vec3> at;
+};
+
+bool passes_through(const March& march, const Branch& branch, const SurfacePoint& seed) {
   const Vec3 p = march.skin().point(seed);
+  const SectionCurve& curve = branch.curve;
   for (std::size_t i = 0; i + 1 < curve.points.size(); ++i) {
     const SurfacePoint &a = curve.points[i], &b = curve.points[i + 1];
-    const Vec3 from = march.skin().point(a);
+    const Vec3& from = branch.at[i];
     const double room = curve.s_mm[i + 1] - curve.s_mm[i] + same_place_mm;
-    if ((p - from).norm() > room) continue;
-    if ((p - from).norm() <= same_place_mm) return true;
+    const double away = (p - from).squaredNorm();
+    if (away > room * room) continue;
+    if (away <= same_place_mm * same_place_mm) return true;
     if (a.face != b.face) continue;
-    const Vec3 ahead = march.skin().point(b) - from;
+    const Vec3 ahead = branch.at[i + 1] - from;
     const double sense = march.sense_toward(a.face, a.uv, ahead);
     const std::optional<MarchPoint> start = march.at(a.face, a.uv, sense);
     if (!start) continue;
@@ -285,10 +322,10 @@ SectionCurve trace_section(const Skin& skin, const Plane& plane, const SurfacePo
 std::vector<SectionCurve> section(const Skin& skin, const Plane& plane, const SectionOptions& options) {
   require_sensible(options);
   const March march(skin, plane);
-  std::vector<SectionCurve> result;
+  std::vector<Branch> branches;
   for (const SurfacePoint& seed : sections::seeds(march, plane)) {
-    const bool known = std::any_of(result.begin(), result.end(),
-                                   [&](const SectionCurve& curve) { return passes_through(march, curve, seed); });
+    const bool known = std::any_of(branches.begin(), branches.end(),
+                                   [&](const Branch& branch) { return passes_through(march, branch, seed); });
     if (known) continue;
     const std::optional<MarchPoint> at = march.at(seed.face, seed.uv, 1);
     if (!at) continue;
@@ -305,8 +342,13 @@ std::vector<SectionCurve> section(const Skin& skin, const Plane& plane, const Se
         curve = std::move(back);
       }
     }
-    if (curve.points.size() > 1 && curve.length_mm() > same_place_mm) result.push_back(std::move(curve));
+    if (curve.points.size() < 2 || curve.length_mm() <= same_place_mm) continue;
+    Branch branch{std::move(curve), {}};
+    for (const SurfacePoint& point : branch.curve.points) branch.at.push_back(skin.point(point));
+    branches.push_back(std::move(branch));
   }
+  std::vector<SectionCurve> result;
+  for (Branch& branch : branches) result.push_back(std::move(branch.curve));
   return result;
 }
 

@@ -13,6 +13,10 @@ namespace {
 /// Sine of the angle between surface and plane below which they count as touching.
 constexpr double touching = 1e-9;
 
+/// Second-order terms up to this are followed by Taylor's formula: the third is smaller by the
+/// ratio of the step to the size of the surface's waves, 1e-4 mm to many.
+constexpr double second_order_mm = 1e-10;
+
 }  // namespace
 
 March::March(const Skin& skin, const Plane& plane) : skin_(skin), plane_(plane) {
@@ -22,24 +26,35 @@ March::March(const Skin& skin, const Plane& plane) : skin_(skin), plane_(plane) 
   rounding_ = 1e-15 * reach + 1e-300;
 }
 
+Vec3 March::tangent(const SurfaceDerivatives& d, double sense) const {
+  const Vec3 normal = d.Su.cross(d.Sv);
+  const Vec3 along = normal.cross(plane_.normal);
+  const double sine = along.norm();
+  // The sine of the angle between surface and plane, times |Su x Sv|.
+  if (!(sine > touching * normal.norm())) return Vec3::Zero();
+  return along * (sense / sine);
+}
+
 std::optional<MarchPoint> March::at(int face, const Uv& uv, double sense) const {
+  return at(face, uv, skin_.face(face).surface.derivatives(uv), sense);
+}
+
+std::optional<MarchPoint> March::at(int face, const Uv& uv, const SurfaceDerivatives& d, double sense) const {
   MarchPoint m;
   m.face = face;
   m.uv = uv;
-  m.d = skin_.face(face).surface.derivatives(uv);
-  const Vec3 n = unit_normal(m.d);
-  const Vec3 along = n.cross(plane_.normal);
-  const double sine = along.norm();
-  if (!(sine > touching)) return std::nullopt;
-  m.tangent = (sense / sine) * along;
-  m.velocity = tangent_to_uv(m.d, m.tangent);
+  m.d = d;
+  m.tangent = tangent(d, sense);
+  if (m.tangent.isZero(0)) return std::nullopt;
+  m.velocity = tangent_to_uv(d, m.tangent);
   const double u1 = m.velocity.x(), v1 = m.velocity.y();
-  const Vec3 quadratic = m.d.Suu * (u1 * u1) + m.d.Suv * (2 * u1 * v1) + m.d.Svv * (v1 * v1);
+  const Vec3 quadratic = d.Suu * (u1 * u1) + d.Suv * (2 * u1 * v1) + d.Svv * (v1 * v1);
   // The curvature vector lies in the plane, across the tangent; its part along n is II(t, t).
+  const Vec3 n = d.Su.cross(d.Sv);
   const Vec3 across = plane_.normal.cross(m.tangent);
   m.bend = across * (quadratic.dot(n) / across.dot(n));
   m.kappa = m.bend.norm();
-  m.acceleration = tangent_to_uv(m.d, m.bend - quadratic);
+  m.acceleration = tangent_to_uv(d, m.bend - quadratic);
   if (!m.velocity.allFinite() || !m.acceleration.allFinite()) return std::nullopt;
   return m;
 }
@@ -67,27 +82,45 @@ std::optional<Uv> March::onto_plane(int face, Uv uv) const {
   return std::nullopt;
 }
 
-std::optional<MarchPoint> March::advance(const MarchPoint& from, double h, double sense, const Uv& guess) const {
+bool March::solve(const MarchPoint& from, double h, Uv& uv, SurfaceDerivatives& d) const {
   const Surface& surface = skin_.face(from.face).surface;
-  Uv uv = guess;
-  for (int i = 0; i < 12; ++i) {
-    const SurfaceDerivatives d = surface.derivatives(uv);
+  const auto newton = [&] {
     const double e1 = height(d.S);
     const double e2 = from.tangent.dot(d.S - from.d.S) - h;
-    if (std::abs(e1) <= 2 * rounding_ && std::abs(e2) <= 4 * rounding_ + 1e-14 * std::abs(h)) {
-      std::optional<MarchPoint> to = at(from.face, uv, sense);
-      // A step that turns by more than 60 degrees has left the branch.
-      if (to && to->tangent.dot(from.tangent) < 0.5) return std::nullopt;
-      return to;
-    }
     const double a = plane_.normal.dot(d.Su), b = plane_.normal.dot(d.Sv);
     const double c = from.tangent.dot(d.Su), e = from.tangent.dot(d.Sv);
     const double det = a * e - b * c;
-    const Uv step((b * e2 - e * e1) / det, (c * e1 - a * e2) / det);
-    if (!step.allFinite()) return std::nullopt;
+    return Uv((b * e2 - e * e1) / det, (c * e1 - a * e2) / det);
+  };
+  for (int i = 0; i < 12; ++i) {
+    d = surface.derivatives(uv);
+    const Uv step = newton();
+    if (!step.allFinite()) return false;
     uv += step;
+    const Vec3 du = d.Suu * step.x() + d.Suv * step.y(), dv = d.Suv * step.x() + d.Svv * step.y();
+    const Vec3 second = 0.5 * (du * step.x() + dv * step.y());
+    if (second.norm() > second_order_mm) continue;
+    // So short a step needs no evaluation: Taylor's next term is below rounding. What the second
+    // order leaves over is taken away by one more step.
+    d.S += uv_to_tangent(d, step) + second;
+    d.Su += du;
+    d.Sv += dv;
+    const Uv last = newton();
+    uv += last;
+    d.S += uv_to_tangent(d, last);
+    return true;
   }
-  return std::nullopt;
+  return false;
+}
+
+std::optional<MarchPoint> March::advance(const MarchPoint& from, double h, double sense, const Uv& guess) const {
+  Uv uv = guess;
+  SurfaceDerivatives d;
+  if (!solve(from, h, uv, d)) return std::nullopt;
+  std::optional<MarchPoint> to = at(from.face, uv, d, sense);
+  // A step that turns by more than 60 degrees has left the branch.
+  if (to && to->tangent.dot(from.tangent) < 0.5) return std::nullopt;
+  return to;
 }
 
 std::optional<March::Step> March::step_to(const MarchPoint& from, const MarchPoint& to, double sense) const {
@@ -98,9 +131,12 @@ std::optional<March::Step> March::step_to(const MarchPoint& from, const MarchPoi
   // the slopes at its ends have errors -1 : 4, so that (4 S + H) / 5 is of sixth order.
   const double chord = (to.d.S - from.d.S).norm();
   const Uv between = 0.5 * (from.uv + to.uv) + (chord / 8) * (from.velocity - to.velocity);
-  const std::optional<MarchPoint> middle = advance(from, 0.5 * h, sense, between);
-  if (!middle) return std::nullopt;
-  const double f1 = 1 / cosine, fm = 1 / middle->tangent.dot(from.tangent);
+  Uv middle = between;
+  SurfaceDerivatives dm;
+  if (!solve(from, 0.5 * h, middle, dm)) return std::nullopt;
+  const double cosine_middle = tangent(dm, sense).dot(from.tangent);
+  if (!(cosine_middle > 0.5)) return std::nullopt;
+  const double f1 = 1 / cosine, fm = 1 / cosine_middle;
   const double slope1 = -to.bend.dot(from.tangent) * f1 * f1 * f1;
   const double simpson = h / 6 * (1 + 4 * fm + f1);
   const double hermite = h / 2 * (1 + f1) - h * h / 12 * slope1;
@@ -110,8 +146,8 @@ std::optional<March::Step> March::step_to(const MarchPoint& from, const MarchPoi
   s.error = std::abs(simpson - hermite) / 5 * sharpen;
   s.path = UvCubic::hermite(from.uv, s.length * from.velocity, to.uv, s.length * to.velocity);
   // The cubic stands for the step where loops are looked for: it must run along the section.
-  const Uv off = s.path.point(0.5) - middle->uv;
-  if (uv_to_tangent(middle->d, off).norm() > 1e-2 * h) return std::nullopt;
+  const Uv off = s.path.point(0.5) - middle;
+  if (uv_to_tangent(dm, off).norm() > 1e-2 * h) return std::nullopt;
   return s;
 }
 

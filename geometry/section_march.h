@@ -30,6 +30,7 @@ class March {
 
   /// Nothing where surface and plane touch (or at a pole): the section has no direction there.
   std::optional<MarchPoint> at(int face, const Uv& uv, double sense) const;
+  std::optional<MarchPoint> at(int face, const Uv& uv, const SurfaceDerivatives& d, double sense) const;
   /// The nearby point of face ∩ plane: a Newton iteration across the section.
   std::optional<Uv> onto_plane(int face, Uv uv) const;
   /// The sense in which the march at (face, uv) goes toward `heading`.
@@ -54,6 +55,11 @@ class March {
   double rounding() const { return rounding_; }
 
  private:
+  /// Newton for the (u, v) of `advance`, and the derivatives there.
+  bool solve(const MarchPoint& from, double h, Uv& uv, SurfaceDerivatives& d) const;
+  /// Unit tangent of the section; zero where surface and plane touch.
+  Vec3 tangent(const SurfaceDerivatives& d, double sense) const;
+
   const Skin& skin_;
   Plane plane_;
   double rounding_;  ///< of a height above the plane, mm

@@ -24,31 +24,32 @@ class EdgeRoots {
       for (int k = 0; k < n; ++k) at.push_back(breaks[i] + (breaks[i + 1] - breaks[i]) * k / n);
     }
     at.push_back(breaks.back());
-    std::vector<double> value, slope;
-    for (const double t : at) {
-      value.push_back(height(t));
-      slope.push_back(rate(t));
-    }
-    for (std::size_t i = 0; i + 1 < at.size(); ++i) {
-      if ((value[i] < 0) != (value[i + 1] < 0)) {
-        bisect(at[i], at[i + 1]);
-      } else if ((slope[i] < 0) != (slope[i + 1] < 0) && (slope[i] < 0) == (value[i] >= 0)) {
+    Sample last = sample(at.front());
+    for (std::size_t i = 1; i < at.size(); ++i) {
+      const Sample here = sample(at[i]);
+      if ((last.height < 0) != (here.height < 0)) {
+        solve(last, here);
+      } else if ((last.rate < 0) != (here.rate < 0) && (last.rate < 0) == (last.height >= 0)) {
         // The height turns back toward the plane in between: does it reach over?
-        const double turn = extremum(at[i], at[i + 1]);
-        if ((height(turn) < 0) == (value[i] < 0)) continue;
-        bisect(at[i], turn);
-        bisect(turn, at[i + 1]);
+        const Sample turn = extremum(last, here);
+        if ((turn.height < 0) != (last.height < 0)) {
+          solve(last, turn);
+          solve(turn, here);
+        }
       }
+      last = here;
     }
     return roots_;
   }
 
  private:
-  double height(double t) const { return march_.height(surface_.point(curve_.point(t))); }
-  double rate(double t) const {
+  struct Sample {
+    double t, height, rate;
+  };
+  Sample sample(double t) const {
     const auto c = curve_.derivatives(t);
     const SurfaceDerivatives d = surface_.derivatives(c.c);
-    return march_.height_rate(d.Su * c.d1.x() + d.Sv * c.d1.y());
+    return {t, march_.height(d.S), march_.height_rate(d.Su * c.d1.x() + d.Sv * c.d1.y())};
   }
   int samples(double t0, double t1) const {
     const Uv a = curve_.point(t0), b = curve_.point(t1);
@@ -60,22 +61,27 @@ class EdgeRoots {
     };
     return 6 * (1 + crossed(surface_.breaks_u(), a.x(), b.x()) + crossed(surface_.breaks_v(), a.y(), b.y()));
   }
-  void bisect(double a, double b) {
-    const bool low = height(a) < 0;
+  /// Newton, kept inside the bracket by bisection.
+  void solve(Sample a, Sample b) {
+    Sample x = std::abs(a.height) < std::abs(b.height) ? a : b;
     for (int i = 0; i < 100; ++i) {
-      const double middle = 0.5 * (a + b);
-      if (middle <= a || middle >= b) break;
-      ((height(middle) < 0) == low ? a : b) = middle;
+      double next = x.t - x.height / x.rate;
+      const double lo = std::min(a.t, b.t), hi = std::max(a.t, b.t);
+      if (!(next > lo && next < hi) || i % 8 == 7) next = 0.5 * (a.t + b.t);
+      if (next == x.t || next <= lo || next >= hi) break;
+      const double moved = std::abs(next - x.t);
+      x = sample(next);
+      ((x.height < 0) == (a.height < 0) ? a : b) = x;
+      if (x.height == 0 || moved <= 4e-16 * std::abs(next)) break;
     }
-    roots_.push_back(0.5 * (a + b));
+    roots_.push_back(x.t);
   }
-  double extremum(double a, double b) const {
-    const bool falling = rate(a) < 0;
+  Sample extremum(Sample a, Sample b) const {
     for (int i = 0; i < 60; ++i) {
-      const double middle = 0.5 * (a + b);
-      ((rate(middle) < 0) == falling ? a : b) = middle;
+      const Sample middle = sample(0.5 * (a.t + b.t));
+      ((middle.rate < 0) == (a.rate < 0) ? a : b) = middle;
     }
-    return 0.5 * (a + b);
+    return a;
   }
 
   const March& march_;

@@ -188,6 +188,25 @@ TEST(Geodesic, CrossesKnotsWithJumpsOfTheSecondDerivative) {
   EXPECT_LT((skin.point(g.at) - expected).norm(), 1e-9);
 }
 
+// Beyond the rim of a closed B-spline the way round crosses the seam's continuation: (u, v) wraps, and
+// the piece with it. A ray that goes out, round and back in must still be the helix.
+TEST(Geodesic, WrapsRoundBeyondTheRimOfAClosedSurface) {
+  Part part = make_rectangular_part(nurbs_cylinder(350, 1000), {0, 4}, {0.2, 1});
+  const Skin skin(std::make_shared<const Part>(part), {0});
+  GeodesicOptions o = fine();
+  o.outside_limit_mm = 1000;
+  const GeodesicTracer tracer(skin, o);
+  const SurfacePoint start{0, Uv(3.6, 0.21)};  // 10 mm above the rim, short of the seam
+  const SurfaceDerivatives d = skin.derivatives(start);
+  const Vec3 t = (d.Su.normalized() - 0.2 * d.Sv.normalized()).normalized();
+  GeodesicState g = tracer.start(start, t);
+  ASSERT_EQ(tracer.advance(g, 500), TraceEnd::reached);
+  EXPECT_TRUE(g.outside);
+  const double turn = std::atan2(d.S.y(), d.S.x()) + 500 * std::hypot(t.x(), t.y()) / 350;
+  const Vec3 expected(350 * std::cos(turn), 350 * std::sin(turn), d.S.z() + 500 * t.z());
+  EXPECT_LT((skin.point(g.at) - expected).norm(), 1e-9);
+}
+
 // Two planes meeting at a fold: the straightest path keeps its angle to the edge.
 TEST(Geodesic, TurnsAboutAFold) {
   const Vec3 n1(0, 0, 1), n2 = Vec3(0, -1, 1).normalized();

@@ -60,14 +60,14 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 TEST(PathsCsv, HasOneRowPerSampleInOrder) {
   CourseSegment segment = helix(350, pi / 4, 10, 5);
-  segment.samples[1].kg_per_mm = 1e-12;
+  segment.samples[1].kg_per_mm = 2e-12;
   segment.samples[1].deviation_rad = pi / 180;
   const auto lines = lines_of(paths_csv({ply_of("A", segment), ply_of("=1+1", segment)}));
   ASSERT_EQ(lines.size(), 1u + 2 * 4 * 3);
   EXPECT_EQ(lines[0], "ply,course,segment,point,s_mm,x,y,z,nx,ny,nz,tx,ty,tz,kn_per_mm,kg_per_mm,deviation_deg");
   EXPECT_EQ(lines[1].rfind("A,-1,1,1,0,", 0), 0u) << lines[1];
   EXPECT_EQ(lines[2].rfind("A,-1,1,2,5,", 0), 0u) << lines[2];
-  EXPECT_NE(lines[2].find(",0.000000000001,1"), std::string::npos) << lines[2];  // curvatures keep twelve decimals
+  EXPECT_NE(lines[2].find(",0.000000000002,1"), std::string::npos) << lines[2];  // curvatures keep twelve decimals
   EXPECT_EQ(lines[4].rfind("A,0,1,1,", 0), 0u) << lines[4];
   EXPECT_EQ(lines[7].rfind("A,0,2,1,", 0), 0u) << lines[7];
   EXPECT_EQ(lines[13].rfind("\"=1+1\",-1,1,1,", 0), 0u) << lines[13];  // no formula for a spreadsheet

@@ -92,7 +92,9 @@ BSplineCurve2 convert_pcurve(const Handle(Geom2d_Curve)& given, double first, do
   for (int k = 0; k <= 16; ++k) box.add(to_uv(curve->Value(first + (last - first) * k / 16)));
   const double size = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
   const double tolerance = std::max(1e-12 * (box.hi - box.lo).maxCoeff(), 2e-14 * size);
-  return interpolate_curve([&](double t) { return to_uv(curve->Value(t)); }, smooth_intervals(curve, first, last), tolerance).curve;
+  return interpolate_curve([&](double t) { return to_uv(curve->Value(t)); }, smooth_intervals(curve, first, last),
+                           [&](double, double) { return tolerance; })
+      .curve;
 }
 
 }  // namespace afptraj::step

@@ -207,7 +207,8 @@ SurfaceInterpolation interpolate_surface(const std::function<Vec3(double, double
   }
 }
 
-CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std::vector<double> breaks, double tolerance, int max_cells) {
+CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std::vector<double> breaks,
+                                     const std::function<double(double, double)>& tolerance, int max_cells) {
   const Basis& b = basis(top);
   const auto sample_cell = [&](const std::vector<double>& ts, double t0, double t1) {
     Matrix values(static_cast<Eigen::Index>(ts.size()), 2);
@@ -218,18 +219,28 @@ CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std
     CurveInterpolation result;
     std::vector<bool> marked(breaks.size() - 1, false);
     bool done = true;
-    result.curve.degree = top;
-    result.curve.knots = flat_knots(breaks, top);
+    int degree = 1;
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
       const Matrix nodes = sample_cell(b.nodes, breaks[i], breaks[i + 1]);
       const double error = (b.at_probes * nodes - sample_cell(b.probes, breaks[i], breaks[i + 1])).cwiseAbs().maxCoeff();
       result.error = std::max(result.error, error);
-      if (error > tolerance) marked[i] = true, done = false;
-      const Matrix poles = b.to_bernstein * nodes;
-      for (int k = i == 0 ? 0 : 1; k <= top; ++k) result.curve.poles.push_back(poles.row(k).transpose());
+      const double allowed = tolerance(breaks[i], breaks[i + 1]);
+      if (!(error <= allowed)) marked[i] = true, done = false;
+      const Matrix coefficients = b.to_chebyshev * nodes;
+      while (degree < top && tail(coefficients, degree) > 0.02 * allowed) ++degree;
     }
-    if (done || static_cast<int>(breaks.size()) > max_cells) return result;
-    split(breaks, marked);
+    if (!done && static_cast<int>(breaks.size()) <= max_cells) {
+      split(breaks, marked);
+      continue;
+    }
+    const Basis& low = basis(degree);
+    result.curve.degree = degree;
+    result.curve.knots = flat_knots(breaks, degree);
+    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+      const Matrix poles = low.to_bernstein * sample_cell(low.nodes, breaks[i], breaks[i + 1]);
+      for (int k = i == 0 ? 0 : 1; k <= degree; ++k) result.curve.poles.push_back(poles.row(k).transpose());
+    }
+    return result;
   }
 }
 

@@ -28,7 +28,8 @@ struct CurveInterpolation {
   BSplineCurve2 curve;
   double error = 0;
 };
-CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std::vector<double> breaks, double tolerance,
-                                     int max_cells = 2000);
+/// `tolerance(t0, t1)` is the one for a cell.
+CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std::vector<double> breaks,
+                                     const std::function<double(double, double)>& tolerance, int max_cells = 2000);
 
 }  // namespace afptraj::step

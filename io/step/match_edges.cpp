@@ -143,17 +143,34 @@ BSplineCurve2 affine(const BSplineCurve2& curve, double first, double last, bool
   return result;
 }
 
-/// (u, v) per mm at which errors of an interpolated pcurve count, at least rounding.
-double uv_tolerance(const SpaceCurve& curve) {
-  constexpr double error_mm = 1e-10;
-  double speed = 0, far = 0;
-  for (int k = 0; k <= 8; ++k) {
-    const Uv uv = curve.pcurve->point(curve.first() + (curve.last() - curve.first()) * k / 8);
-    const SurfaceDerivatives d = curve.surface->derivatives(uv);
+/// Errors of interpolated pcurves, in space.
+constexpr double error_mm = 1e-9;
+
+/// Rounding of (u, v) on a curve, with room for what the search for nearest points adds.
+double uv_rounding(const SpaceCurve& curve) {
+  double far = 0;
+  for (const Uv& pole : curve.pcurve->poles) far = std::max(far, pole.cwiseAbs().maxCoeff());
+  return 4e-14 * far;
+}
+
+/// The error in (u, v) that shows as error_mm over [t0, t1]: where a curve is slow more is allowed.
+double uv_tolerance(const SpaceCurve& curve, double t0, double t1) {
+  double speed = 0;
+  for (const double t : {t0, 0.5 * (t0 + t1), t1}) {
+    const SurfaceDerivatives d = curve.surface->derivatives(curve.pcurve->point(t));
     speed = std::max({speed, d.Su.norm(), d.Sv.norm()});
-    far = std::max(far, uv.cwiseAbs().maxCoeff());
   }
-  return std::max(error_mm / std::max(speed, 1e-300), 8e-15 * far);
+  return error_mm / std::max(speed, 1e-300);
+}
+
+/// The same for errors along the trace of the pcurve only.
+double uv_tolerance_along(const SpaceCurve& curve, double t0, double t1) {
+  double speed = 0;
+  for (const double t : {t0, 0.5 * (t0 + t1), t1}) {
+    const double uv_speed = curve.pcurve->derivatives(t).d1.norm();
+    if (uv_speed > 0) speed = std::max(speed, curve.tangent(t).derivative.norm() / uv_speed);
+  }
+  return error_mm / std::max(speed, 1e-300);
 }
 constexpr int most_cells = 400;
 
@@ -186,10 +203,17 @@ BSplineCurve2 with_ends(BSplineCurve2 curve, const Uv& first, const Uv& last) {
 
 BSplineCurve2 along_trace(const SpaceCurve& a, const SpaceCurve& b, bool opposite) {
   const ParameterMap map(a, b, opposite);
+  const double rounding = uv_rounding(b);
   std::vector<double> breaks = smooth_breaks(a);
   for (const double tau : smooth_breaks(b)) breaks.push_back(map.inverse(tau));
   breaks = tidy(std::move(breaks), a.first(), a.last());
-  BSplineCurve2 curve = interpolate_curve([&](double t) { return b.pcurve->point(map(t)); }, breaks, uv_tolerance(b), most_cells).curve;
+  BSplineCurve2 curve = interpolate_curve([&](double t) { return b.pcurve->point(map(t)); }, breaks,
+                                          [&](double t0, double t1) {
+                                            const double tau0 = std::min(map(t0), map(t1)), tau1 = std::max(map(t0), map(t1));
+                                            return std::max(uv_tolerance_along(b, tau0, tau1), rounding);
+                                          },
+                                          most_cells)
+                            .curve;
   return with_ends(std::move(curve), b.pcurve->point(opposite ? b.last() : b.first()), b.pcurve->point(opposite ? b.first() : b.last()));
 }
 
@@ -268,6 +292,7 @@ BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std
   const Uv first = seed.pcurve->point(seed.first()), last = seed.pcurve->point(seed.last());
   const Uv at_first = first - foot(*seed.surface, curve(seed.first()), first);
   const Uv at_last = last - foot(*seed.surface, curve(seed.last()), last);
+  const double rounding = uv_rounding(seed);
   BSplineCurve2 result = *seed.pcurve;
   // Twice, because where the curve crosses the knots of the surface is known only from the first.
   for (const double loosen : {1e4, 1.0}) {
@@ -278,7 +303,8 @@ BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std
       const double x = (t - seed.first()) / (seed.last() - seed.first());
       return Uv(foot(*seed.surface, curve(t), start.point(t)) + (1 - x) * at_first + x * at_last);
     };
-    result = interpolate_curve(feet, tidy(std::move(all), seed.first(), seed.last()), loosen * uv_tolerance(seed), most_cells).curve;
+    const auto tolerance = [&](double t0, double t1) { return loosen * std::max(uv_tolerance({seed.surface, &start}, t0, t1), rounding); };
+    result = interpolate_curve(feet, tidy(std::move(all), seed.first(), seed.last()), tolerance, most_cells).curve;
   }
   return with_ends(std::move(result), first, last);
 }

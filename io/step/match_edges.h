@@ -50,7 +50,7 @@ Gap greatest_gap(const SpaceCurve& a, const SpaceCurve& b);
 /// a(t); ends go to ends (start to end when `opposite`). In this order, the next one only where
 /// samples promise that it brings a and b closer together:
 ///   1. an affine change of parameter;
-///   2. the nearest point of b's own trace, interpolated to 1e-10 mm;
+///   2. the nearest point of b's own trace, interpolated to 1e-9 mm;
 ///   3. the feet of a(t) on b's surface: b's pcurve was a poor image of the common edge.
 BSplineCurve2 in_parameters_of(const SpaceCurve& a, const SpaceCurve& b, bool opposite);
 

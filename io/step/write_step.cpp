@@ -1,5 +1,6 @@
 #include "io/step/write_step.h"
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -19,11 +20,19 @@
 #include <Interface_Static.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Writer.hxx>
+#include <STEPConstruct.hxx>
+#include <STEPConstruct_Styles.hxx>
 #include <STEPControl_Controller.hxx>
 #include <StepBasic_Product.hxx>
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
+#include <StepRepr_RepresentationContext.hxx>
+#include <StepRepr_RepresentationItem.hxx>
+#include <StepVisual_Colour.hxx>
+#include <StepVisual_MechanicalDesignGeometricPresentationRepresentation.hxx>
+#include <StepVisual_PresentationStyleAssignment.hxx>
+#include <StepVisual_StyledItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
@@ -34,9 +43,9 @@
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
-#include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
 
 #include "io/step/occt.h"
@@ -111,12 +120,12 @@ TopoDS_Wire make_wire(const StepWire& wire) {
   return result;
 }
 
-/// product > group > wire, as a document with names and colours.
-Handle(TDocStd_Document) make_document(const std::vector<StepWire>& wires, const std::string& product) {
+/// product > group > wire, as a document with names. `shapes_made` gets the shape of every wire.
+Handle(TDocStd_Document) make_document(const std::vector<StepWire>& wires, const std::string& product,
+                                       std::vector<TopoDS_Shape>& shapes_made) {
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   XCAFDoc_DocumentTool::Set(document->Main(), Standard_False);
   const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
-  const Handle(XCAFDoc_ColorTool) colours = XCAFDoc_DocumentTool::ColorTool(document->Main());
   shapes->SetAutoNaming(Standard_False);
   const auto text = [](const std::string& s) { return TCollection_ExtendedString(s.c_str(), Standard_True); };
 
@@ -132,14 +141,35 @@ Handle(TDocStd_Document) make_document(const std::vector<StepWire>& wires, const
       TDataStd_Name::Set(placed, text(wire.group));
       found = groups.emplace(wire.group, group).first;
     }
-    const TDF_Label label = shapes->AddShape(make_wire(wire), Standard_False);
+    shapes_made.push_back(make_wire(wire));
+    const TDF_Label label = shapes->AddShape(shapes_made.back(), Standard_False);
     TDataStd_Name::Set(label, text(wire.name));
-    colours->SetColor(label, Quantity_Color(wire.rgb[0], wire.rgb[1], wire.rgb[2], Quantity_TOC_RGB), XCAFDoc_ColorCurv);
     const TDF_Label placed = shapes->AddComponent(found->second, label, TopLoc_Location());
     TDataStd_Name::Set(placed, text(wire.name));
   }
   shapes->UpdateAssemblies();
   return document;
+}
+
+/// Gives every wire its colour, in the order of the wires. STEPCAFControl_Writer would write the
+/// colours of a document in the order of a hash of addresses, which differs from run to run.
+void add_colours(const Handle(XSControl_WorkSession)& session, const std::vector<StepWire>& wires,
+                 const std::vector<TopoDS_Shape>& shapes) {
+  STEPConstruct_DataMapOfAsciiStringTransient predefined;
+  STEPConstruct_DataMapOfPointTransient mixed;
+  for (std::size_t i = 0; i < wires.size(); ++i) {
+    STEPConstruct_Styles styles(session);
+    const Handle(StepRepr_RepresentationItem) item = STEPConstruct::FindEntity(session->TransferWriter()->FinderProcess(), shapes[i]);
+    const Handle(StepRepr_RepresentationContext) context = styles.FindContext(shapes[i]);
+    if (item.IsNull() || context.IsNull()) throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE has no STEP entity for a course");
+    const std::array<double, 3>& rgb = wires[i].rgb;
+    const Handle(StepVisual_Colour) colour =
+        STEPConstruct_Styles::EncodeColor(Quantity_Color(rgb[0], rgb[1], rgb[2], Quantity_TOC_RGB), predefined, mixed);
+    styles.AddStyle(item, styles.MakeColorPSA(item, nullptr, colour, nullptr, 0), nullptr);
+    Handle(StepVisual_MechanicalDesignGeometricPresentationRepresentation) presentation;
+    if (!styles.CreateMDGPR(context, presentation)) throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE cannot colour a course");
+    session->Model()->AddWithRefs(presentation);
+  }
 }
 
 std::string time_stamp() {
@@ -179,9 +209,10 @@ std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOption
   Interface_Static::SetIVal("write.step.assembly", 1);
   Interface_Static::SetCVal("write.step.product.name", options.product.c_str());
   Interface_Static::SetIVal("write.precision.mode", 1);
-  const Handle(TDocStd_Document) document = make_document(wires, options.product);
+  std::vector<TopoDS_Shape> shapes;
+  const Handle(TDocStd_Document) document = make_document(wires, options.product, shapes);
   STEPCAFControl_Writer writer;
-  writer.SetColorMode(true);
+  writer.SetColorMode(false);  // add_colours does it
   writer.SetNameMode(true);
   writer.SetLayerMode(false);
   writer.SetPropsMode(false);
@@ -191,6 +222,7 @@ std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOption
   if (!writer.Transfer(document, STEPControl_AsIs)) throw Error(ErrorCode::internal, name, "OpenCASCADE cannot turn the courses into STEP");
   const Handle(XSControl_WorkSession) session = writer.ChangeWriter().WS();
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(session->Model());
+  add_colours(session, wires, shapes);
   set_header(model, name);
   StepData_StepWriter text(model);
   text.SendModel(Handle(StepData_Protocol)::DownCast(session->Protocol()));

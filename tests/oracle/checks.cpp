@@ -21,9 +21,23 @@ Vec oriented(const Skin& skin, const Foot& at, const Vec& like) {
   return n * like < 0 ? n.Reversed() : n;
 }
 
-double oriented_cosine(const Skin& skin, const Foot& p, const Sample& c) {
-  return skin.jet(p.face, p.u, p.v).normal() * skin.jet(c.at.face, c.at.u, c.at.v).normal() *
-         skin.sense(p.face) * skin.sense(c.at.face);
+// For each face +1 or -1: the sense of S_u x S_v against the normals that the paths carry, by the samples on
+// it; 0 where there are none.
+std::vector<double> face_senses(const Skin& skin, const PlyPaths& ply) {
+  std::vector<double> votes(static_cast<std::size_t>(skin.size()), 0);
+  for (const Segment& segment : ply.segments)
+    for (const Sample& s : segment.samples)
+      if (s.at.face >= 0)
+        votes[static_cast<std::size_t>(s.at.face)] += skin.jet(s.at.face, s.at.u, s.at.v).normal() * s.n;
+  for (double& vote : votes) vote = vote < 0 ? -1 : vote > 0 ? 1 : 0;
+  return votes;
+}
+
+// Cosine between the outward normals at `p` and at a sample: negative on the opposite wall.
+double facing_cosine(const Skin& skin, const std::vector<double>& senses, const Foot& p, const Sample& c) {
+  const double sense = senses[static_cast<std::size_t>(p.face)];
+  if (sense == 0) return oriented(skin, p, c.n) * c.n;
+  return sense * (skin.jet(p.face, p.u, p.v).normal() * c.n);
 }
 
 // Where the candidate does not face the same way, the way to it leads round an edge: its chord says nothing,
@@ -34,7 +48,8 @@ DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p,
   const DistanceResult left = geodesic_distance(skin, k, p, s0, expected, 1);
   const DistanceResult right = geodesic_distance(skin, k, p, s0, expected, -1);
   using Kind = DistanceResult::Kind;
-  if (left.kind == Kind::found && right.kind == Kind::found) return left.distance < right.distance ? left : right;
+  if (left.kind == Kind::found && right.kind == Kind::found)
+    return left.distance < right.distance ? left : right;
   return left.kind == Kind::found || right.kind != Kind::found ? left : right;
 }
 
@@ -150,7 +165,8 @@ CrossingCheck check_crossings(const PlyPaths& ply, double band_mm) {
   return check;
 }
 
-DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0, double d0, int side0) {
+DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0,
+                                 double d0, int side0) {
   using Kind = DistanceResult::Kind;
   DistanceResult result;
   // From an end that is the nearest point of all, failure means that the foot lies beyond it.
@@ -206,6 +222,7 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
 
 SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm, int points) {
   SpacingCheck check;
+  const std::vector<double> senses = face_senses(skin, ply);
   const auto courses = by_course(ply);
   std::size_t chords = 0;
   for (const Segment& s : ply.segments)
@@ -231,7 +248,7 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         for (const ChordHit& hit : index.near(p.point, 1.5 * band_mm, 2 * band_mm)) {
           const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
           const double s0 = k.samples[hit.i].s + hit.x * (k.samples[hit.i + 1].s - k.samples[hit.i].s);
-          const bool facing = oriented_cosine(skin, p, k.samples[hit.i]) > 0.3;
+          const bool facing = facing_cosine(skin, senses, p, k.samples[hit.i]) > 0.3;
           const DistanceResult d = distance_round(skin, k, p, s0, facing, band_mm);
           if (d.kind == DistanceResult::Kind::beyond_end) beyond = true;
           if (d.kind == DistanceResult::Kind::unresolved) open = open || facing;
@@ -303,13 +320,13 @@ std::vector<int> all_of(const PlyPaths& ply) {
 }
 
 // Distance from the nearest centre line where it is at most `allowed`, else 1e300 or an upper bound.
-double distance_to_centre_line(const Skin& skin, const PlyPaths& ply, const ChordIndex& index, const Foot& p,
-                               double allowed, int& measured) {
+double distance_to_centre_line(const Skin& skin, const std::vector<double>& senses, const PlyPaths& ply,
+                               const ChordIndex& index, const Foot& p, double allowed, int& measured) {
   double least = 1e300;
   for (const ChordHit& hit : index.near(p.point, allowed, 4 * allowed)) {
     const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
     const Sample& c = k.samples[hit.i];
-    const double cosine = oriented(skin, p, c.n) * c.n;
+    const double cosine = facing_cosine(skin, senses, p, c);
     const double arc = arc_of(hit.distance, cosine);
     if (arc < 0.97 * allowed && cosine > 0.7) return arc;
     ++measured;
@@ -324,12 +341,12 @@ double distance_to_centre_line(const Skin& skin, const PlyPaths& ply, const Chor
   return least;
 }
 
-double distance_to_extension(const Skin& skin, const PlyPaths& ends, const ChordIndex& index, const Foot& p,
-                             double allowed) {
+double distance_to_extension(const Skin& skin, const std::vector<double>& senses, const PlyPaths& ends,
+                             const ChordIndex& index, const Foot& p, double allowed) {
   double least = 1e300;
   for (const ChordHit& hit : index.near(p.point, allowed, 4 * allowed)) {
     const Sample& c = ends.segments[static_cast<std::size_t>(hit.segment)].samples[hit.i];
-    const double cosine = oriented(skin, p, c.n) * c.n;
+    const double cosine = facing_cosine(skin, senses, p, c);
     if (cosine > 0.2) least = std::min(least, arc_of(hit.distance, cosine));
   }
   return least;
@@ -339,6 +356,7 @@ double distance_to_extension(const Skin& skin, const PlyPaths& ends, const Chord
 
 CoverageCheck check_coverage(const Skin& skin, const PlyPaths& ply, double band_mm, int samples) {
   CoverageCheck check;
+  const std::vector<double> senses = face_senses(skin, ply);
   const double half = 0.5 * band_mm, allowed = half + 1e-3;
   const ChordIndex index(ply, half, all_of(ply));
   const PlyPaths ends = lengthened_ends(skin, ply, 3 * band_mm);
@@ -346,14 +364,14 @@ CoverageCheck check_coverage(const Skin& skin, const PlyPaths& ply, double band_
   for (const Skin::AreaSample& sample : skin.area_samples(samples)) {
     ++check.samples;
     check.area += sample.area;
-    double least = distance_to_centre_line(skin, ply, index, sample.at, allowed, check.measured);
+    double least = distance_to_centre_line(skin, senses, ply, index, sample.at, allowed, check.measured);
     if (least <= allowed) {
       check.near_line += sample.area;
       check.covered += sample.area;
       continue;
     }
     // 0.5 % of W/2: the extension is a geodesic, its course is not quite, and the distance is not Newton's.
-    if (distance_to_extension(skin, ends, end_index, sample.at, 1.005 * allowed) <= 1.005 * allowed) {
+    if (distance_to_extension(skin, senses, ends, end_index, sample.at, 1.005 * allowed) <= 1.005 * allowed) {
       check.covered += sample.area;
       continue;
     }

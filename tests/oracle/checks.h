@@ -78,7 +78,7 @@ struct DistanceResult {
   bool left_skin = false;
 };
 /// `d0` > 0 and `side` (1 left, -1 right) replace the chord as the first guess.
-DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0, double d0 = 0,
-                                 int side = 0);
+DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const Foot& p, double s0,
+                                 double d0 = 0, int side = 0);
 
 }  // namespace oracle

@@ -68,7 +68,7 @@ part() {
   printf '[planning]\nsample = %s\n' "$sample" > "$dir/job.toml"
   # shellcheck disable=SC2086
   "$measure" "$dir/measure.txt" "$afptraj" run "$steps/$file" "$dir/plies.csv" -o "$dir/result" --job "$dir/job.toml" \
-    --face "$faces" --tows "$tows" --tow-width "$width" $unit_option $run_options -q >"$dir/stdout.txt" 2>"$dir/stderr.txt"
+    --face "$faces" --tows "$tows" --tow-width "$width" $unit_option $run_options --timeout 300 -q >"$dir/stdout.txt" 2>"$dir/stderr.txt"
   local code=$?
   if [ $code -ne 0 ] || [ ! -f "$dir/result/paths.csv" ]; then
     printf '%-24s FAIL exit code %d: %s\n' "$name" $code "$(tail -1 "$dir/stderr.txt")"
