@@ -30,7 +30,7 @@ class Clipper {
   void add(const Piece& piece) {
     const int face = piece.front().at.face;
     const TrimRegion& trim = skin_.trim(face);
-    bool inside = starts_inside(trim, piece);
+    bool inside = starts_inside(trim, piece, inside_);
     if (inside == keep_) {
       current_.emplace_back();
       push(piece.front());
@@ -55,6 +55,7 @@ class Clipper {
       }
       if (inside == keep_) push(piece[i + 1]);
     }
+    inside_ = inside;
   }
 
   std::vector<SurfaceCurve> take() {
@@ -63,15 +64,19 @@ class Clipper {
   }
 
  private:
-  static bool starts_inside(const TrimRegion& trim, const Piece& piece) {
+  /// A piece that goes on from one that ended inside stands on the shared edge, to the solver's accuracy
+  /// on either side of it: what lies just beyond decides.
+  bool starts_inside(const TrimRegion& trim, const Piece& piece, bool goes_on) const {
     const UvCubic first = cubic(piece, 0);
+    const double length = arc_length(skin_, piece, 0, 0, 1);
+    const double skip = goes_on && length > 0 ? std::min(0.5, 1e-3 / length) : 1e-7;
     double x = 1;
     for (const LoopCrossing& hit : trim.crossings(first))
-      if (hit.x > 1e-7) {
+      if (hit.x > skip) {
         x = hit.x;
         break;
       }
-    return trim.contains(first.point(0.5 * x));
+    return trim.contains(first.point(0.5 * (skip + x)));
   }
   void push(const CurveNode& node) {
     if (!current_.back().empty() && node.t - current_.back().back().t < 1e-9) return;
@@ -90,6 +95,7 @@ class Clipper {
   const Skin& skin_;
   double least_mm_;
   bool keep_;
+  bool inside_ = false;  ///< where the last piece ended
   std::vector<Piece> current_;
   std::vector<SurfaceCurve> out_;
 };

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include <Eigen/Core>
+#include <vector>
 
 /// Bezier form of B-spline pieces: inside a piece the curve lies in the hull of its control
 /// points, which gives sound bounds. Internal to this room.
@@ -31,7 +30,8 @@ Point blossom(const std::vector<double>& knots, int degree, int span, std::vecto
 
 /// Control points over [knots[span], knots[span + 1]] of the polynomial with these local poles.
 template <class Point>
-std::vector<Point> from_span(const std::vector<double>& knots, int degree, int span, const std::vector<Point>& poles) {
+std::vector<Point> from_span(const std::vector<double>& knots, int degree, int span,
+                             const std::vector<Point>& poles) {
   std::vector<double> arguments(static_cast<std::size_t>(degree), knots[static_cast<std::size_t>(span)]);
   std::vector<Point> control;
   control.push_back(blossom(knots, degree, span, poles, arguments));

@@ -14,7 +14,8 @@ std::vector<SpanMatrix> span_matrices(const std::vector<double>& knots, int degr
     const double lo = knots[static_cast<std::size_t>(span)], hi = knots[static_cast<std::size_t>(span) + 1];
     if (!(lo < hi)) continue;
     const std::vector<Eigen::VectorXd> rows = from_span(knots, degree, span, unit);
-    SpanMatrix m{lo, hi, span - degree, static_cast<int>(result.size()), Eigen::MatrixXd(degree + 1, degree + 1)};
+    SpanMatrix m{lo, hi, span - degree, static_cast<int>(result.size()),
+                 Eigen::MatrixXd(degree + 1, degree + 1)};
     for (int i = 0; i <= degree; ++i) m.to_bezier.row(i) = rows[static_cast<std::size_t>(i)].transpose();
     result.push_back(std::move(m));
   }
@@ -50,7 +51,9 @@ Net split_net(Net& net, int p, int q, bool along_u) {
   const int count = along_u ? p + 1 : q + 1;
   std::vector<Eigen::Vector4d> line(static_cast<std::size_t>(count));
   for (int l = 0; l < lines; ++l) {
-    const auto at = [&](int k) { return static_cast<std::size_t>(along_u ? k * (q + 1) + l : l * (q + 1) + k); };
+    const auto at = [&](int k) {
+      return static_cast<std::size_t>(along_u ? k * (q + 1) + l : l * (q + 1) + k);
+    };
     for (int k = 0; k < count; ++k) line[static_cast<std::size_t>(k)] = net[at(k)];
     const std::vector<Eigen::Vector4d> low = split_half(line);
     for (int k = 0; k < count; ++k) {

@@ -1,12 +1,11 @@
 #include "geometry/closest_index.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "geometry/bezier_net.h"
 
@@ -55,7 +54,11 @@ Eigen::Matrix3d axes_of(const SurfaceDerivatives& d, const std::vector<Vec3>& po
 class PatchBuilder {
  public:
   PatchBuilder(const Surface& surface, int face, const TrimRegion& trim, std::vector<Patch>& out)
-      : surface_(surface), p_(surface.spline()->degree_u), q_(surface.spline()->degree_v), face_(face), trim_(trim),
+      : surface_(surface),
+        p_(surface.spline()->degree_u),
+        q_(surface.spline()->degree_v),
+        face_(face),
+        trim_(trim),
         out_(out) {}
 
   void add(Net net, const Span& span, const Uv& lo, const Uv& hi) {
@@ -155,7 +158,8 @@ class CurveBuilder {
       hi = hi.cwiseMax(p);
     }
     const auto inside = [](const std::vector<double>& knots, double a, double b) {
-      return std::upper_bound(knots.begin(), knots.end(), b) - std::lower_bound(knots.begin(), knots.end(), a);
+      return std::upper_bound(knots.begin(), knots.end(), b) -
+             std::lower_bound(knots.begin(), knots.end(), a);
     };
     return 1 + static_cast<int>(inside(surface_.breaks_u(), lo.x(), hi.x()) +
                                 inside(surface_.breaks_v(), lo.y(), hi.y()));
@@ -199,7 +203,8 @@ std::vector<double> crease_knots(const std::vector<double>& knots, int degree) {
   for (std::size_t i = 0; i < knots.size();) {
     std::size_t end = i;
     while (end < knots.size() && knots[end] == knots[i]) ++end;
-    if (knots[i] > first && knots[i] < last && end - i >= static_cast<std::size_t>(degree)) result.push_back(knots[i]);
+    if (knots[i] > first && knots[i] < last && end - i >= static_cast<std::size_t>(degree))
+      result.push_back(knots[i]);
     i = end;
   }
   return result;
@@ -259,13 +264,15 @@ std::vector<CurvePiece> curves_of(const Face& face, int index, const TrimRegion&
   for (const double u : crease_knots(spline->knots_u, spline->degree_u)) {
     for (const double du : bezier::shifts(face.surface.period_u(), u, u, lo.x(), hi.x())) {
       if (u + du <= lo.x() || u + du >= hi.x()) continue;
-      builder.add(std::make_shared<const BSplineCurve2>(line_segment(Uv(u + du, lo.y()), Uv(u + du, hi.y()))), true);
+      builder.add(std::make_shared<const BSplineCurve2>(line_segment(Uv(u + du, lo.y()), Uv(u + du, hi.y()))),
+                  true);
     }
   }
   for (const double v : crease_knots(spline->knots_v, spline->degree_v)) {
     for (const double dv : bezier::shifts(face.surface.period_v(), v, v, lo.y(), hi.y())) {
       if (v + dv <= lo.y() || v + dv >= hi.y()) continue;
-      builder.add(std::make_shared<const BSplineCurve2>(line_segment(Uv(lo.x(), v + dv), Uv(hi.x(), v + dv))), true);
+      builder.add(std::make_shared<const BSplineCurve2>(line_segment(Uv(lo.x(), v + dv), Uv(hi.x(), v + dv))),
+                  true);
     }
   }
   return result;

@@ -15,9 +15,7 @@ struct Box {
   Box();
   void add(const Vec3& p);
   void add(const Box& other);
-  double distance2(const Vec3& p) const {
-    return (lo - p).cwiseMax(p - hi).cwiseMax(0.0).squaredNorm();
-  }
+  double distance2(const Vec3& p) const { return (lo - p).cwiseMax(p - hi).cwiseMax(0.0).squaredNorm(); }
 };
 
 /// A piece of one polynomial of a B-spline face: small enough to be nearly flat, inside the box

@@ -107,7 +107,8 @@ class Query {
   void offer(const Face& face, const SurfacePoint& at, const Vec3& point, bool on_boundary) {
     const double distance = (point - p_).norm();
     if (distance > limit_ + (best_.on_boundary && !on_boundary ? tie_mm : 0)) return;
-    if (best_.at.face >= 0 && on_boundary && !best_.on_boundary && distance >= best_.distance_mm - tie_mm) return;
+    if (best_.at.face >= 0 && on_boundary && !best_.on_boundary && distance >= best_.distance_mm - tie_mm)
+      return;
     if (best_.at.face >= 0 && on_boundary == best_.on_boundary && distance >= best_.distance_mm) return;
     if (facing_ != nullptr) {
       const double turn = unit_normal(face.surface.derivatives(at.uv)).dot(*facing_);
@@ -140,9 +141,12 @@ class Query {
       double next = bend > 0 ? t - slope / bend : (slope > 0 ? piece.t0 : piece.t1);
       if (next < lo || next > hi) {
         // At an end of the piece the minimum may be the end itself.
-        if (next <= piece.t0 && lo == piece.t0) next = piece.t0;
-        else if (next >= piece.t1 && hi == piece.t1) next = piece.t1;
-        else next = 0.5 * (lo + hi);
+        if (next <= piece.t0 && lo == piece.t0)
+          next = piece.t0;
+        else if (next >= piece.t1 && hi == piece.t1)
+          next = piece.t1;
+        else
+          next = 0.5 * (lo + hi);
       }
       if (std::abs(next - t) <= tiny) return next;
       t = next;
@@ -199,23 +203,26 @@ ClosestPointFinder::ClosestPointFinder(std::shared_ptr<const Part> part, std::ve
   data_ = std::move(data);
 }
 
-std::optional<ClosestPoint> ClosestPointFinder::closest(const Vec3& p, double limit_mm, const Vec3* facing) const {
+std::optional<ClosestPoint> ClosestPointFinder::closest(const Vec3& p, double limit_mm,
+                                                        const Vec3* facing) const {
   const Data& data = *data_;
   if (!p.allFinite()) return std::nullopt;
   Query query(p, limit_mm, facing);
-  data.tree.walk(p, [&] { return query.limit2(); }, [&](int i) {
-    const Item& item = data.items[static_cast<std::size_t>(i)];
-    const auto index = static_cast<std::size_t>(item.index);
-    if (item.kind == Item::Kind::patch) {
-      const closest::Patch& patch = data.patches[index];
-      query.visit(data.face(patch.face), data.region(patch.face), patch);
-    } else if (item.kind == Item::Kind::curve) {
-      const closest::CurvePiece& piece = data.curves[index];
-      query.visit(data.face(piece.face), data.region(piece.face), piece);
-    } else {
-      query.visit(data.face(item.index), item.index, data.region(item.index));
-    }
-  });
+  data.tree.walk(
+      p, [&] { return query.limit2(); },
+      [&](int i) {
+        const Item& item = data.items[static_cast<std::size_t>(i)];
+        const auto index = static_cast<std::size_t>(item.index);
+        if (item.kind == Item::Kind::patch) {
+          const closest::Patch& patch = data.patches[index];
+          query.visit(data.face(patch.face), data.region(patch.face), patch);
+        } else if (item.kind == Item::Kind::curve) {
+          const closest::CurvePiece& piece = data.curves[index];
+          query.visit(data.face(piece.face), data.region(piece.face), piece);
+        } else {
+          query.visit(data.face(item.index), item.index, data.region(item.index));
+        }
+      });
   if (query.best().at.face < 0) return std::nullopt;
   return query.best();
 }

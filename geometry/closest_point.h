@@ -11,7 +11,8 @@
 namespace afptraj {
 
 /// The nearest point found: place, distance, and whether it is a foot of a perpendicular inside
-/// the face or lies on its boundary (a trim loop).
+/// the face or lies on its boundary (a trim loop). A foot within 1e-10 mm of the boundary's distance
+/// is preferred, so that a point over a seam or a smooth shared edge is not called one of the boundary.
 struct ClosestPoint {
   SurfacePoint at;
   Vec3 point = Vec3::Zero();
@@ -22,7 +23,8 @@ struct ClosestPoint {
 /// Newton-Raphson for the foot of the perpendicular from `p` near `seed`, on the untrimmed surface
 /// (no loops). Nothing when it does not converge to a foot: |r.Su| <= tol |Su| and the same for v,
 /// with r = S - p. Source: Piegl & Tiller, ch. 6.1.
-std::optional<Uv> foot_point(const Surface& surface, const Vec3& p, const Uv& seed, double tolerance_mm = 1e-11);
+std::optional<Uv> foot_point(const Surface& surface, const Vec3& p, const Uv& seed,
+                             double tolerance_mm = 1e-11);
 
 /// Finds closest points on a set of trimmed faces; an immutable value.
 ///
@@ -41,7 +43,8 @@ class ClosestPointFinder {
 
   /// Nothing only if no point lies within `limit_mm`. A face is passed over where its normal n
   /// (turned by the face's orientation) has n . facing < 0, when `facing` is given.
-  std::optional<ClosestPoint> closest(const Vec3& p, double limit_mm = std::numeric_limits<double>::infinity(),
+  std::optional<ClosestPoint> closest(const Vec3& p,
+                                      double limit_mm = std::numeric_limits<double>::infinity(),
                                       const Vec3* facing = nullptr) const;
 
  private:

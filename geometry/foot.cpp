@@ -130,7 +130,8 @@ std::optional<Foot> descend(const Surface& surface, const Vec3& p, const Uv& see
     }
     if ((uv.array() < limits.lo.array()).any() || (uv.array() > limits.hi.array()).any()) return std::nullopt;
   }
-  return is_foot(d, r, 10 * tolerance, limits.most) ? std::optional<Foot>(Foot{uv, d.S, std::sqrt(f)}) : std::nullopt;
+  return is_foot(d, r, 10 * tolerance, limits.most) ? std::optional<Foot>(Foot{uv, d.S, std::sqrt(f)})
+                                                    : std::nullopt;
 }
 
 }  // namespace foot

@@ -52,7 +52,8 @@ double greatest_distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
 }
 
 void require_finite(const Interval& u, const Interval& v) {
-  const bool finite = std::isfinite(u.lo) && std::isfinite(u.hi) && std::isfinite(v.lo) && std::isfinite(v.hi);
+  const bool finite =
+      std::isfinite(u.lo) && std::isfinite(u.hi) && std::isfinite(v.lo) && std::isfinite(v.hi);
   if (!finite || !(u.lo < u.hi) || !(v.lo < v.hi)) {
     throw std::invalid_argument("make_rectangular_face: needs finite intervals with lo < hi");
   }
@@ -60,7 +61,8 @@ void require_finite(const Interval& u, const Interval& v) {
 
 }  // namespace
 
-RectangularFace make_rectangular_face(const Surface& surface, const Interval& u, const Interval& v, int first_edge) {
+RectangularFace make_rectangular_face(const Surface& surface, const Interval& u, const Interval& v,
+                                      int first_edge) {
   require_finite(u, v);
   const std::array<Side, 4> sides = sides_of(u, v);
   std::array<std::vector<Vec3>, 4> points;

@@ -36,8 +36,8 @@ struct Face {
 
 /// An edge: where the loops of one or two faces (or one face twice: a seam) meet.
 struct Edge {
-  bool degenerate = false;    ///< a pole: a pcurve that is a single point in space
-  double tolerance_mm = 0;    ///< how far the pcurves and the 3-D curve may lie apart
+  bool degenerate = false;  ///< a pole: a pcurve that is a single point in space
+  double tolerance_mm = 0;  ///< how far the pcurves and the 3-D curve may lie apart
 };
 
 /// A boundary representation in mm: what a STEP file becomes.

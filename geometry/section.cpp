@@ -1,10 +1,9 @@
 #include "geometry/section.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-
-#include <Eigen/Geometry>
 
 #include "geometry/curvature.h"
 #include "geometry/section_march.h"
@@ -25,7 +24,8 @@ constexpr std::size_t most_points = 2'000'000;
 /// One trace: the march, the curve so far, and how it goes on at loops.
 class Trace {
  public:
-  Trace(const March& march, const SectionOptions& options) : march_(march), skin_(march.skin()), options_(options) {}
+  Trace(const March& march, const SectionOptions& options)
+      : march_(march), skin_(march.skin()), options_(options) {}
 
   SectionCurve run(const SurfacePoint& start, const Vec3& heading) {
     const std::optional<Uv> uv = march_.onto_plane(start.face, start.uv);
@@ -103,11 +103,13 @@ class Trace {
       const double base = period > 0 ? period * std::floor((a[axis] - knots.front()) / period) : 0;
       const double span = 1e-6 * (b[axis] - a[axis]);
       for (const double turn : {-period, 0.0, period}) {
-        const double from = std::min(a[axis], b[axis]) - base - turn, to = std::max(a[axis], b[axis]) - base - turn;
+        const double from = std::min(a[axis], b[axis]) - base - turn,
+                     to = std::max(a[axis], b[axis]) - base - turn;
         for (auto k = std::lower_bound(knots.begin(), knots.end(), from); k != knots.end() && *k <= to; ++k) {
           const double target = *k + base + turn;
           // Beginning or ending at the knot is no crossing.
-          if (std::abs(target - a[axis]) <= std::abs(span) || std::abs(target - b[axis]) <= std::abs(span)) continue;
+          if (std::abs(target - a[axis]) <= std::abs(span) || std::abs(target - b[axis]) <= std::abs(span))
+            continue;
           double x = (target - a[axis]) / (b[axis] - a[axis]);
           for (int i = 0; i < 6; ++i) {
             const double rate = path.derivative(x)[axis];
@@ -194,7 +196,8 @@ class Trace {
   }
 
   /// Goes to the loop and, where there is one, over to the other side.
-  std::optional<MarchPoint> cross(const MarchPoint& here, const March::Step& step, const LoopCrossing& crossing) {
+  std::optional<MarchPoint> cross(const MarchPoint& here, const March::Step& step,
+                                  const LoopCrossing& crossing) {
     const EdgeUse use{here.face, crossing.loop, crossing.coedge};
     Uv uv = crossing.uv;
     double t = crossing.t;
@@ -202,7 +205,8 @@ class Trace {
     const std::optional<double> exact = edge_parameter(use, t);
     if (exact) {
       const Uv there = skin_.coedge(use).pcurve.point(*exact);
-      const double moved = (skin_.face(use.face).surface.point(there) - skin_.face(use.face).surface.point(uv)).norm();
+      const double moved =
+          (skin_.face(use.face).surface.point(there) - skin_.face(use.face).surface.point(uv)).norm();
       if (moved <= 0.5 * step.length + same_place_mm) {
         uv = there;
         t = *exact;
@@ -312,8 +316,8 @@ void require_sensible(const SectionOptions& options) {
 
 }  // namespace
 
-SectionCurve trace_section(const Skin& skin, const Plane& plane, const SurfacePoint& start, const Vec3& heading,
-                           const SectionOptions& options) {
+SectionCurve trace_section(const Skin& skin, const Plane& plane, const SurfacePoint& start,
+                           const Vec3& heading, const SectionOptions& options) {
   require_sensible(options);
   const March march(skin, plane);
   return Trace(march, options).run(start, heading);

@@ -12,7 +12,9 @@ struct Plane {
   Vec3 normal = Vec3::UnitZ();
 };
 
-/// One connected branch of a section: samples in order, with arc length from the first.
+/// One connected branch of a section: samples in order, with arc length from the first. Where it
+/// passes from face to face, or over a seam, the place appears twice, with the parameters of each
+/// side; a closed branch ends with its first point.
 struct SectionCurve {
   std::vector<SurfacePoint> points;
   std::vector<double> s_mm;
@@ -31,8 +33,8 @@ struct SectionOptions {
 /// followed from there in the direction `heading` (its part along the section counts) until it
 /// leaves the skin, meets a pole, or returns to the start. Crosses shared edges and seams.
 /// Marches in (u, v) with a Newton correction on the plane's equation.
-SectionCurve trace_section(const Skin& skin, const Plane& plane, const SurfacePoint& start, const Vec3& heading,
-                           const SectionOptions& options = {});
+SectionCurve trace_section(const Skin& skin, const Plane& plane, const SurfacePoint& start,
+                           const Vec3& heading, const SectionOptions& options = {});
 
 /// All branches of plane ∩ skin: seeds from the loops and, for closed branches inside, from sign
 /// changes over pieces of the surface, subdivided.

@@ -1,9 +1,8 @@
 #include "geometry/section_march.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Geometry>
 
 #include "geometry/curvature.h"
 
@@ -113,7 +112,8 @@ bool March::solve(const MarchPoint& from, double h, Uv& uv, SurfaceDerivatives& 
   return false;
 }
 
-std::optional<MarchPoint> March::advance(const MarchPoint& from, double h, double sense, const Uv& guess) const {
+std::optional<MarchPoint> March::advance(const MarchPoint& from, double h, double sense,
+                                         const Uv& guess) const {
   Uv uv = guess;
   SurfaceDerivatives d;
   if (!solve(from, h, uv, d)) return std::nullopt;

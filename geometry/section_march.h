@@ -12,11 +12,11 @@ struct MarchPoint {
   int face = -1;
   Uv uv = Uv::Zero();
   SurfaceDerivatives d;
-  Vec3 tangent = Vec3::Zero();  ///< unit, in the sense of the march
-  Uv velocity = Uv::Zero();     ///< d(uv)/ds
-  Uv acceleration = Uv::Zero(); ///< d2(uv)/ds2
-  Vec3 bend = Vec3::Zero();     ///< curvature vector
-  double kappa = 0;             ///< its length
+  Vec3 tangent = Vec3::Zero();   ///< unit, in the sense of the march
+  Uv velocity = Uv::Zero();      ///< d(uv)/ds
+  Uv acceleration = Uv::Zero();  ///< d2(uv)/ds2
+  Vec3 bend = Vec3::Zero();      ///< curvature vector
+  double kappa = 0;              ///< its length
 };
 
 /// March over the faces of a skin; `sense` tells, face by face, the section's tangent

@@ -138,8 +138,11 @@ void pole_seeds(const March& march, std::vector<SurfacePoint>& out) {
 /// direction, it holds no closed branch, so that any branch on it crosses the piece's border.
 class SplineSeeds {
  public:
-  SplineSeeds(const March& march, const Plane& plane, int face, std::vector<SurfacePoint>& out)
-      : march_(march), plane_(plane), face_(face), trim_(march.skin().trim(face)), out_(out),
+  SplineSeeds(const March& march, int face, std::vector<SurfacePoint>& out)
+      : march_(march),
+        face_(face),
+        trim_(march.skin().trim(face)),
+        out_(out),
         spline_(*march.skin().face(face).surface.spline()) {}
 
   void find() {
@@ -229,8 +232,10 @@ class SplineSeeds {
 
   /// The low sides suffice: a closed branch that crosses a high side crosses its neighbour's low one.
   void border_roots(const Eigen::MatrixXd& net, const Uv& lo, const Uv& hi) {
-    roots(net.row(0).transpose(), 0, 1, [&](double x) { add(Uv(lo.x(), lo.y() + x * (hi.y() - lo.y()))); }, 0);
-    roots(net.col(0), 0, 1, [&](double x) { add(Uv(lo.x() + x * (hi.x() - lo.x()), lo.y())); }, 0);
+    roots(
+        net.row(0).transpose(), 0, 1, [&](double x) { add(Uv(lo.x(), lo.y() + x * (hi.y() - lo.y()))); }, 0);
+    roots(
+        net.col(0), 0, 1, [&](double x) { add(Uv(lo.x() + x * (hi.x() - lo.x()), lo.y())); }, 0);
   }
 
   template <class Found>
@@ -258,7 +263,6 @@ class SplineSeeds {
   }
 
   const March& march_;
-  const Plane& plane_;
   int face_;
   const TrimRegion& trim_;
   std::vector<SurfacePoint>& out_;
@@ -309,7 +313,7 @@ std::vector<SurfacePoint> seeds(const March& march, const Plane& plane) {
   edge_seeds(march, result);
   pole_seeds(march, result);
   for (const int f : march.skin().faces()) {
-    if (march.skin().face(f).surface.spline() != nullptr) SplineSeeds(march, plane, f, result).find();
+    if (march.skin().face(f).surface.spline() != nullptr) SplineSeeds(march, f, result).find();
     analytic_seeds(march, plane, f, result);
   }
   return result;

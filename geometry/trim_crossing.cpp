@@ -1,10 +1,9 @@
 #include "geometry/trim_crossing.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <Eigen/Cholesky>
 
 #include "geometry/bezier.h"
 
@@ -30,7 +29,8 @@ constexpr int pair_budget = 400;
 }  // namespace
 
 CrossingSearch::CrossingSearch(const SegmentGrid& grid, const UvCubic& path)
-    : grid_(grid), path_{grid.scaled(path.a), grid.scaled(path.b), grid.scaled(path.c), grid.scaled(path.d)} {}
+    : grid_(grid),
+      path_{grid.scaled(path.a), grid.scaled(path.b), grid.scaled(path.c), grid.scaled(path.d)} {}
 
 CrossingSearch::PathPiece CrossingSearch::PathPiece::split_left() {
   PathPiece left;
@@ -50,13 +50,16 @@ std::vector<LoopCrossing> CrossingSearch::run(bool first_only, bool outward) {
   std::vector<LoopCrossing> result;
   PathPiece whole{{path_.a, path_.a + path_.b / 3, path_.a + (2 * path_.b + path_.c) / 3,
                    path_.a + path_.b + path_.c + path_.d},
-                  0, 1};
+                  0,
+                  1};
   int i0, i1, j0, j1;
-  if (!grid_.cells(whole.low(), whole.high(), i0, i1, j0, j1) || grid_.mixed_count(i0, i1, j0, j1) == 0) return result;
+  if (!grid_.cells(whole.low(), whole.high(), i0, i1, j0, j1) || grid_.mixed_count(i0, i1, j0, j1) == 0)
+    return result;
   size_ = std::max((whole.high() - whole.low()).maxCoeff(), std::numeric_limits<double>::min());
   gather(whole, 0);
   if (candidates_.empty()) return result;
-  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) { return a.x < b.x; });
+  std::sort(candidates_.begin(), candidates_.end(),
+            [](const Candidate& a, const Candidate& b) { return a.x < b.x; });
 
   // The state between groups of coinciding candidates decides which of them are crossings: so
   // they alternate (law T3), and touching or twice-found points cancel.
@@ -90,7 +93,8 @@ std::vector<LoopCrossing> CrossingSearch::run(bool first_only, bool outward) {
 
 void CrossingSearch::gather(PathPiece piece, int depth) {
   int i0, i1, j0, j1;
-  if (!grid_.cells(piece.low(), piece.high(), i0, i1, j0, j1) || grid_.mixed_count(i0, i1, j0, j1) == 0) return;
+  if (!grid_.cells(piece.low(), piece.high(), i0, i1, j0, j1) || grid_.mixed_count(i0, i1, j0, j1) == 0)
+    return;
   if ((i1 - i0 + 1) * (j1 - j0 + 1) > 16 && depth < 24) {
     gather(piece.split_left(), depth + 1);
     gather(piece, depth + 1);
@@ -163,7 +167,8 @@ void CrossingSearch::meet(PathPiece path, CurvePiece curve, int segment, int dep
   if (at_most_one(path, curve.control)) {
     double x = 0, s = 0;
     const Solve solved = newton(path, curve, segment, x, s);
-    if (solved == Solve::found) candidates_.push_back({std::clamp(x, 0.0, 1.0), segment, std::clamp(s, 0.0, 1.0)});
+    if (solved == Solve::found)
+      candidates_.push_back({std::clamp(x, 0.0, 1.0), segment, std::clamp(s, 0.0, 1.0)});
     if (solved != Solve::failed) return;
   }
   const double path_size = (path.high() - path.low()).maxCoeff();
@@ -195,8 +200,8 @@ void CrossingSearch::meet(PathPiece path, CurvePiece curve, int segment, int dep
   meet(std::move(path), std::move(curve), segment, depth + 1);
 }
 
-CrossingSearch::Solve CrossingSearch::newton(const PathPiece& path, const CurvePiece& curve, int index, double& x,
-                                             double& s) const {
+CrossingSearch::Solve CrossingSearch::newton(const PathPiece& path, const CurvePiece& curve, int index,
+                                             double& x, double& s) const {
   const Segment& segment = grid_.segments[static_cast<std::size_t>(index)];
   const Uv d = curve.b - curve.a;
   // Start where the chord of the path meets the chord of the curve.

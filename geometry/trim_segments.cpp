@@ -1,7 +1,7 @@
 // CGAL first: OpenCASCADE-style macros elsewhere must not meet its headers.
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-
 #include "geometry/trim_segments.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
 #include <cmath>
@@ -110,7 +110,8 @@ double hull_deviation(const std::vector<Eigen::Vector3d>& control, const Uv& a, 
 }
 
 SegmentGrid::SegmentGrid(const Face& face, double flatten_uv) : loops(face.loops) {
-  if (!(flatten_uv > 0 && flatten_uv < 1)) throw std::invalid_argument("TrimRegion: flatten_uv must be in (0, 1)");
+  if (!(flatten_uv > 0 && flatten_uv < 1))
+    throw std::invalid_argument("TrimRegion: flatten_uv must be in (0, 1)");
   set_scale();
   for (std::size_t i = 0; i < loops.size(); ++i) flatten(static_cast<int>(i), loops[i], flatten_uv);
   if (segments.empty()) throw std::invalid_argument("TrimRegion: the face has no trim loop");
@@ -149,7 +150,8 @@ void SegmentGrid::flatten(int loop, const Loop& chain, double tolerance) {
       if (a != last.b) {
         if ((a - last.b).norm() > on) {
           // A gap between two coedges is closed by a straight joint, so that the polygon is closed.
-          segments.push_back({last.b, a, 0, last.t1, last.t1, loop, last.coedge, static_cast<int>(control.size()), 1});
+          segments.push_back(
+              {last.b, a, 0, last.t1, last.t1, loop, last.coedge, static_cast<int>(control.size()), 1});
           control.emplace_back(last.b.x(), last.b.y(), 1);
           control.emplace_back(a.x(), a.y(), 1);
         } else {
@@ -198,7 +200,8 @@ void SegmentGrid::flatten(int loop, const Loop& chain, double tolerance) {
   } else {
     const Segment last = end;
     const Uv target = begin.a;
-    segments.push_back({last.b, target, 0, last.t1, last.t1, loop, last.coedge, static_cast<int>(control.size()), 1});
+    segments.push_back(
+        {last.b, target, 0, last.t1, last.t1, loop, last.coedge, static_cast<int>(control.size()), 1});
     control.emplace_back(last.b.x(), last.b.y(), 1);
     control.emplace_back(target.x(), target.y(), 1);
   }
@@ -256,11 +259,15 @@ void SegmentGrid::build_cells() {
       const double ua = s.a.x() + x0 * d.x();
       const double ub = s.a.x() + x1 * d.x();
       int a0, a1, b0, b1;
-      if (!cells(Uv(std::min(ua, ub) - 2 * e, low.y()), Uv(std::max(ua, ub) + 2 * e, high.y()), a0, a1, b0, b1)) continue;
-      for (int i = a0; i <= a1; ++i) cell[static_cast<std::size_t>(j * nx + i)].push_back(static_cast<int>(index));
+      if (!cells(Uv(std::min(ua, ub) - 2 * e, low.y()), Uv(std::max(ua, ub) + 2 * e, high.y()), a0, a1, b0,
+                 b1))
+        continue;
+      for (int i = a0; i <= a1; ++i)
+        cell[static_cast<std::size_t>(j * nx + i)].push_back(static_cast<int>(index));
     }
   }
-  const auto pack = [](const std::vector<std::vector<int>>& lists, std::vector<int>& begin, std::vector<int>& items) {
+  const auto pack = [](const std::vector<std::vector<int>>& lists, std::vector<int>& begin,
+                       std::vector<int>& items) {
     begin.assign(1, 0);
     for (const std::vector<int>& list : lists) {
       items.insert(items.end(), list.begin(), list.end());
@@ -284,7 +291,9 @@ void SegmentGrid::fill_states() {
         const Uv centre = lo + Uv(i + 0.5, j + 0.5).cwiseQuotient(cells_per_unit);
         state[k] = known ? state[k - 1] : contains_in_row(centre, j) ? CellState::inside : CellState::outside;
       }
-      const auto at = [this](int x, int y) -> int& { return mixed_before[static_cast<std::size_t>(y * (nx + 1) + x)]; };
+      const auto at = [this](int x, int y) -> int& {
+        return mixed_before[static_cast<std::size_t>(y * (nx + 1) + x)];
+      };
       at(i + 1, j + 1) = at(i, j + 1) + at(i + 1, j) - at(i, j) + (empty ? 0 : 1);
     }
   }

@@ -1,6 +1,7 @@
 #include "io/summary_json.h"
 
 #include <algorithm>
+#include <cstdint>
 
 #include <nlohmann/json.hpp>
 
@@ -39,7 +40,9 @@ Json options(const Job& job) {
     Json& slot = out[name.substr(0, dot)][name.substr(dot + 1)];
     const auto value = parse_number(text);
     const bool list = name == "faces.list" || name == "faces.tangent_from" || name == "faces.name";
-    if (value && !list) {
+    if (value && !list && text.find_first_of(".e") == std::string::npos) {
+      slot = static_cast<std::int64_t>(*value);
+    } else if (value && !list) {
       slot = *value;
     } else if (text.empty()) {
       slot = nullptr;

@@ -1,11 +1,11 @@
 // Law (C1) of geometry/closest_point.h: nothing is nearer than the point returned.
 #include "geometry/closest_point.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
-
-#include <gtest/gtest.h>
 
 #include "geometry/curvature.h"
 
@@ -13,7 +13,9 @@ namespace afptraj {
 namespace {
 
 using Random = std::mt19937;
-double uniform(Random& random, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
+double uniform(Random& random, double lo, double hi) {
+  return std::uniform_real_distribution<double>(lo, hi)(random);
+}
 Vec3 random_point(Random& random, double reach) {
   return {uniform(random, -reach, reach), uniform(random, -reach, reach), uniform(random, -reach, reach)};
 }
@@ -40,7 +42,8 @@ BSplineSurface bumpy(Random& random, int count, double height, bool rational) {
   s.knots_u = s.knots_v = knots();
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j) {
-      s.poles.emplace_back(100.0 * i / (count - 1), 100.0 * j / (count - 1), uniform(random, -height, height));
+      s.poles.emplace_back(100.0 * i / (count - 1), 100.0 * j / (count - 1),
+                           uniform(random, -height, height));
       if (rational) s.weights.push_back(uniform(random, 0.5, 2));
     }
   }
@@ -150,15 +153,17 @@ void expect_nearest(const Specimen& specimen, const ClosestPointFinder& finder, 
   EXPECT_LE((specimen.part->faces[f].surface.point(found->at.uv) - found->point).norm(), 1e-10);
   EXPECT_DOUBLE_EQ((found->point - p).norm(), found->distance_mm);
   EXPECT_TRUE(specimen.trim[f]->contains(found->at.uv)) << found->at.uv.transpose();
-  ASSERT_LE(found->distance_mm, brute.distance(p) + 1e-9) << "p " << p.transpose() << " uv " << found->at.uv.transpose()
-                                                          << (found->on_boundary ? " boundary" : " foot");
+  ASSERT_LE(found->distance_mm, brute.distance(p) + 1e-9)
+      << "p " << p.transpose() << " uv " << found->at.uv.transpose()
+      << (found->on_boundary ? " boundary" : " foot");
 }
 
 void expect_nearest(const Specimen& specimen, double reach, const Vec3& centre, int count, unsigned seed) {
   Random random(seed);
   const ClosestPointFinder finder = specimen.finder();
   const BruteForce brute(specimen);
-  for (int i = 0; i < count; ++i) expect_nearest(specimen, finder, brute, centre + random_point(random, reach));
+  for (int i = 0; i < count; ++i)
+    expect_nearest(specimen, finder, brute, centre + random_point(random, reach));
 }
 
 TEST(ClosestPoint, AnalyticFacesAgainstBruteForce) {
@@ -341,7 +346,8 @@ TEST(ClosestPoint, FootPoint) {
     const Uv uv(uniform(random, 0.05, 0.95), uniform(random, 0.05, 0.95));
     const SurfaceDerivatives d = surface.derivatives(uv);
     const Vec3 p = d.S + uniform(random, -2, 2) * unit_normal(d);
-    const auto foot = foot_point(surface, p, uv + Uv(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01)));
+    const auto foot =
+        foot_point(surface, p, uv + Uv(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01)));
     ASSERT_TRUE(foot);
     // |dS| <= 1e-11 mm over a metric of at least (100 / 1.5)^2 /mm: 1e-12 in (u, v) with room.
     EXPECT_LE((*foot - uv).norm(), 1e-12);

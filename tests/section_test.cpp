@@ -1,9 +1,6 @@
 // Sections against closed forms and OpenCASCADE.
 #include "geometry/section.h"
 
-#include <cmath>
-#include <random>
-
 #include <gtest/gtest.h>
 
 #include <GCPnts_AbscissaPoint.hxx>
@@ -14,7 +11,9 @@
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
 #include <TColgp_Array2OfPnt.hxx>
+#include <cmath>
 #include <gp_Pln.hxx>
+#include <random>
 
 namespace afptraj {
 namespace {
@@ -73,7 +72,9 @@ void expect_sound(const Skin& skin, const Plane& plane, const SectionCurve& curv
   }
 }
 
-double ellipse_perimeter(double a, double b) { return 4 * a * std::comp_ellint_2(std::sqrt(1 - b * b / (a * a))); }
+double ellipse_perimeter(double a, double b) {
+  return 4 * a * std::comp_ellint_2(std::sqrt(1 - b * b / (a * a)));
+}
 
 // The tolerance asked for is 5e-7 mm per metre of length.
 double allowed(double length) { return 5e-10 * length + 1e-9; }
@@ -176,7 +177,8 @@ Surface paraboloid() {
   s.knots_u = s.knots_v = {0, 0, 0, 1, 1, 1};
   const double square[3] = {2500, -2500, 2500};  // blossom of x^2
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) s.poles.emplace_back(50 * (i - 1), 50 * (j - 1), (square[i] + square[j]) / 100);
+    for (int j = 0; j < 3; ++j)
+      s.poles.emplace_back(50 * (i - 1), 50 * (j - 1), (square[i] + square[j]) / 100);
   }
   return Surface::bspline(s);
 }
@@ -278,7 +280,8 @@ TEST(Section, HolesCutTheSectionInTwo) {
   Loop hole;
   const std::vector<Uv> corners = {Uv(40, 40), Uv(40, 60), Uv(60, 60), Uv(60, 40)};
   for (std::size_t i = 0; i < 4; ++i) {
-    hole.coedges.push_back({line_segment(corners[i], corners[(i + 1) % 4]), false, static_cast<int>(part.edges.size())});
+    hole.coedges.push_back(
+        {line_segment(corners[i], corners[(i + 1) % 4]), false, static_cast<int>(part.edges.size())});
     part.edges.push_back(Edge{});
   }
   part.faces[0].loops.push_back(hole);
@@ -302,7 +305,8 @@ BSplineSurface bumpy(unsigned seed, int count, double height) {
   s.knots_u.insert(s.knots_u.end(), 4, 1.0);
   s.knots_v = s.knots_u;
   for (int i = 0; i < count; ++i) {
-    for (int j = 0; j < count; ++j) s.poles.emplace_back(1000.0 * i / (count - 1), 600.0 * j / (count - 1), z(random));
+    for (int j = 0; j < count; ++j)
+      s.poles.emplace_back(1000.0 * i / (count - 1), 600.0 * j / (count - 1), z(random));
   }
   return s;
 }

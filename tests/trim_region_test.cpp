@@ -1,10 +1,10 @@
 // Laws (T1) to (T3) of geometry/trim_region.h.
 #include "geometry/trim_region.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <random>
-
-#include <gtest/gtest.h>
 
 #include "geometry/surface.h"
 
@@ -14,17 +14,22 @@ namespace {
 using Polygon = std::vector<Uv>;
 using Random = std::mt19937;
 
-double uniform(Random& random, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
+double uniform(Random& random, double lo, double hi) {
+  return std::uniform_real_distribution<double>(lo, hi)(random);
+}
 
 Loop polygon_loop(const Polygon& polygon) {
   Loop loop;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    loop.coedges.push_back({line_segment(polygon[i], polygon[(i + 1) % polygon.size()]), false, static_cast<int>(i)});
+    loop.coedges.push_back(
+        {line_segment(polygon[i], polygon[(i + 1) % polygon.size()]), false, static_cast<int>(i)});
   }
   return loop;
 }
 
-Face face_of(std::vector<Loop> loops) { return Face{Surface::plane(Frame{}), false, std::move(loops), {}, {}, 0}; }
+Face face_of(std::vector<Loop> loops) {
+  return Face{Surface::plane(Frame{}), false, std::move(loops), {}, {}, 0};
+}
 
 /// A star-shaped polygon about `centre`: anticlockwise, or clockwise as a hole.
 Polygon star(Random& random, const Uv& centre, double least, double most, int count, bool clockwise) {
@@ -43,8 +48,10 @@ bool inside(const std::vector<Polygon>& polygons, const Uv& p) {
     for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
       const Uv &a = polygon[i], &b = polygon[j];
       if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-      const long double x = (static_cast<long double>(b.x()) - a.x()) * (static_cast<long double>(p.y()) - a.y()) /
-                                (static_cast<long double>(b.y()) - a.y()) + a.x();
+      const long double x = (static_cast<long double>(b.x()) - a.x()) *
+                                (static_cast<long double>(p.y()) - a.y()) /
+                                (static_cast<long double>(b.y()) - a.y()) +
+                            a.x();
       if (p.x() < x) in = !in;
     }
   }
@@ -73,7 +80,9 @@ Loop one_curve(BSplineCurve2 curve, bool reversed = false) {
 }
 
 UvCubic random_path(Random& random, const Uv& centre, double reach) {
-  const auto point = [&] { return Uv(centre + Uv(uniform(random, -reach, reach), uniform(random, -reach, reach))); };
+  const auto point = [&] {
+    return Uv(centre + Uv(uniform(random, -reach, reach), uniform(random, -reach, reach)));
+  };
   return UvCubic::hermite(point(), 3 * (point() - centre), point(), 3 * (point() - centre));
 }
 
@@ -87,7 +96,8 @@ void expect_laws(const TrimRegion& region, const Face& face, const UvCubic& path
     EXPECT_GE(c.x, before);
     EXPECT_LE(c.x, 1);
     before = c.x;
-    const Coedge& coedge = face.loops[static_cast<std::size_t>(c.loop)].coedges[static_cast<std::size_t>(c.coedge)];
+    const Coedge& coedge =
+        face.loops[static_cast<std::size_t>(c.loop)].coedges[static_cast<std::size_t>(c.coedge)];
     EXPECT_EQ(coedge.pcurve.point(c.t), c.uv);
     EXPECT_LE((path.point(c.x) - c.uv).norm(), 1e-12 * size);
     state = !state;
@@ -95,7 +105,8 @@ void expect_laws(const TrimRegion& region, const Face& face, const UvCubic& path
   EXPECT_EQ(state, region.contains(path.point(1)));
   for (const bool outward : {true, false}) {
     const auto first = region.first_crossing(path, outward);
-    const auto same = std::find_if(found.begin(), found.end(), [&](const auto& c) { return c.outward == outward; });
+    const auto same =
+        std::find_if(found.begin(), found.end(), [&](const auto& c) { return c.outward == outward; });
     ASSERT_EQ(first.has_value(), same != found.end());
     if (first) {
       EXPECT_EQ(first->x, same->x);
@@ -172,7 +183,8 @@ TEST(TrimRegion, CirclesAreExactWithinTheChordError) {
     for (const double scale_v : {1.0, 2e5}) {
       const Uv radius(scale_u, scale_v), hole(0.3 * scale_u, 0.3 * scale_v);
       const Uv centre(2 * scale_u, -0.5 * scale_v);
-      const Face face = face_of({one_curve(circle(centre, radius, true), true), one_curve(circle(centre, hole, true))});
+      const Face face =
+          face_of({one_curve(circle(centre, radius, true), true), one_curve(circle(centre, hole, true))});
       const TrimRegion region(face, 1e-4);
       for (int i = 0; i < 4000; ++i) {
         const double angle = uniform(random, 0, 2 * pi);
@@ -266,7 +278,8 @@ TEST(TrimRegion, SplineLoopsAgreeWithFinePolygons) {
     const Face face = face_of({spline_loop(random, Uv(5, 5), 3, 5 + round)});
     Polygon fine;
     for (const Coedge& coedge : face.loops[0].coedges) {
-      for (int i = 0; i < 2000; ++i) fine.push_back(coedge.pcurve.point(coedge.reversed ? 2 - i / 1000.0 : i / 1000.0));
+      for (int i = 0; i < 2000; ++i)
+        fine.push_back(coedge.pcurve.point(coedge.reversed ? 2 - i / 1000.0 : i / 1000.0));
     }
     const TrimRegion region(face, 1e-3);
     for (int i = 0; i < 300; ++i) {

@@ -24,7 +24,15 @@ class CurveBuilder {
     const CurveNode node = node_of(ray);
     if (!curve_.pieces.empty()) {
       const CurveNode& last = curve_.pieces.back().back();
-      if (node.t - last.t < 1e-9) return;  // the same ray again where strands join
+      if (last_source_ != source_ && node.t - last.t < 1e-9) {
+        // Strands join at one ray: same place and direction, but the speed may jump. A new piece.
+        curve_.pieces.emplace_back();
+        push(node);
+        last_ray_ = ray;
+        last_source_ = source_;
+        return;
+      }
+      if (node.t - last.t < 1e-9) return;
       if (!same_chart(skin_, last, node)) pass_over(last_ray_, ray, 0);
     } else {
       curve_.pieces.emplace_back();
@@ -51,7 +59,6 @@ class CurveBuilder {
   /// From ray `a` (whose node is in place) to ray `b` over one or more passages.
   void pass_over(const Ray& from, const Ray& to, int depth) {
     Ray a = from, b = to;
-    if (last_source_ != source_) a.t = to.t;  // strands join at one point: nothing lies between
     for (int i = 0; i < 60; ++i) {
       const CurveNode na = node_of(a), nb = node_of(b);
       if ((skin_.point(na.at) - skin_.point(nb.at)).norm() < bracket_mm || b.t - a.t < 1e-9) break;

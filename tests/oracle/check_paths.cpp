@@ -118,6 +118,7 @@ bool judge(const oracle::Skin& skin, oracle::PlyPaths& ply, const Arguments& a, 
   verdict.require(surface.distance.value <= a.number("max-surface", 1e-6), "surface");
   verdict.require(surface.outside.value <= a.number("max-end", 1e-6), "outside");
   verdict.require(surface.normal.value <= 1e-4, "normal");
+  verdict.require(surface.arc.value <= 1e-4, "arc-length");
   verdict.require(spacing.error.value <= a.number("max-spacing", 1e-3), "spacing");
   verdict.require(ends.error.value <= a.number("max-end", 1e-6) && ends.inside == 0, "ends");
   verdict.require(ends.shared == 0, "ends-at-shared-edge");
@@ -154,6 +155,7 @@ bool judge(const oracle::Skin& skin, oracle::PlyPaths& ply, const Arguments& a, 
          {"outside", worst(surface.outside)},
          {"normal_rad", worst(surface.normal)},
          {"tangent_rad", worst(surface.tangent)},
+         {"arc_against_chord", worst(surface.arc)},
          {"sample_spacing", worst(surface.spacing)}}},
        {"ends",
         {{"error", worst(ends.error)},

@@ -81,7 +81,10 @@ SurfaceCheck check_on_surface(const Skin& skin, PlyPaths& ply) {
       const Vec n = oriented(skin, s.at, s.n);
       check.normal.take((n ^ s.n).Modulus(), s.x, what);
       check.tangent.take(std::abs(n * s.t), s.x, what);
-      if (i > 0) check.spacing.take(s.s - segment.samples[i - 1].s, s.x, what);
+      if (i == 0) continue;
+      const double ds = s.s - segment.samples[i - 1].s, chord = (s.x - segment.samples[i - 1].x).Modulus();
+      check.spacing.take(ds, s.x, what);
+      check.arc.take(std::abs(ds - chord) - 0.05 * ds, s.x, what);
     }
   }
   return check;
@@ -142,7 +145,7 @@ CrossingCheck check_crossings(const PlyPaths& ply, double band_mm) {
         const Vec n = (a0.n + b0.n).Normalized();
         const Vec da = a1.x - a0.x, db = b1.x - b0.x, r = b0.x - a0.x;
         const double cross = n * (da ^ db);
-        if (std::abs(cross) < 1e-12 * da.Modulus() * db.Modulus()) continue;
+        if (std::abs(cross) <= 1e-12 * da.Modulus() * db.Modulus()) continue;
         const double x = n * (r ^ db) / cross, y = n * (r ^ da) / cross;
         if (x < 0 || x > 1 || y < 0 || y > 1) continue;
         const Vec pa = a0.x + da * x, pb = b0.x + db * y;

@@ -24,6 +24,7 @@ struct SurfaceCheck {
   Worst normal;    ///< angle between the given and the true normal, rad
   Worst tangent;   ///< angle of the tangent out of the tangent plane, rad
   Worst spacing;   ///< of samples
+  Worst arc;       ///< s between samples against their chord: what 5 % does not explain, mm
   std::size_t points = 0;
 };
 /// Sets Sample::at.

@@ -1,6 +1,8 @@
 #include "occt_skin.h"
 
 #include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_MakeVertex.hxx>
+#include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom_BSplineSurface.hxx>
@@ -8,6 +10,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
+#include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -182,14 +185,17 @@ Jet Skin::jet(int face, double u, double v) const {
 Foot Skin::foot(int face, const Vec& p, double u, double v) const {
   const FaceData& data = faces_[static_cast<std::size_t>(face)];
   const double range_u = data.box[1] - data.box[0], range_v = data.box[3] - data.box[2];
-  Foot best;
-  best.face = face;
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    wrap(data, u, v);
-    const Jet j = jet(face, u, v);
+  const auto limited = [&](double& x, double& y) {
+    const double slack = 0.5;  // of the trim box: far enough for feet just outside
+    if (data.period_u == 0) x = std::clamp(x, data.box[0] - slack * range_u, data.box[1] + slack * range_u);
+    if (data.period_v == 0) y = std::clamp(y, data.box[2] - slack * range_v, data.box[3] + slack * range_v);
+    wrap(data, x, y);
+  };
+  limited(u, v);
+  Jet j = jet(face, u, v);
+  Foot best{face, u, v, j.S, (j.S - p).Modulus()};
+  for (int iteration = 0; iteration < 60; ++iteration) {
     const Vec r = j.S - p;
-    const double distance = r.Modulus();
-    if (distance < best.distance) best = {face, u, v, j.S, distance};
     const double g = r * j.Su, h = r * j.Sv;
     const double E = j.Su * j.Su, F = j.Su * j.Sv, G = j.Sv * j.Sv;
     double a = E + r * j.Suu, b = F + r * j.Suv, c = G + r * j.Svv;
@@ -203,18 +209,22 @@ Foot Skin::foot(int face, const Vec& p, double u, double v) const {
     double du = (b * h - c * g) / det, dv = (b * g - a * h) / det;
     const double cut = std::max(std::abs(du) / (0.2 * range_u), std::abs(dv) / (0.2 * range_v));
     if (cut > 1) du /= cut, dv /= cut;
-    u += du;
-    v += dv;
-    const double slack = 0.5;  // of the trim box: far enough for feet just outside
-    if (data.period_u == 0) u = std::clamp(u, data.box[0] - slack * range_u, data.box[1] + slack * range_u);
-    if (data.period_v == 0) v = std::clamp(v, data.box[2] - slack * range_v, data.box[3] + slack * range_v);
-    if ((j.Su * du + j.Sv * dv).Modulus() < 1e-11) {
-      wrap(data, u, v);
-      const Jet last = jet(face, u, v);
-      const double final_distance = (last.S - p).Modulus();
-      if (final_distance <= best.distance + 1e-12) best = {face, u, v, last.S, final_distance};
-      break;
+    const bool last = (j.Su * du + j.Sv * dv).Modulus() < 1e-11;
+    // Never farther than before: without this, Newton wanders where the surface has a kink.
+    bool better = false;
+    for (int halving = 0; halving < 30 && !better; ++halving, du *= 0.5, dv *= 0.5) {
+      double x = u + du, y = v + dv;
+      limited(x, y);
+      const Jet next = jet(face, x, y);
+      const double distance = (next.S - p).Modulus();
+      better = distance < best.distance || (last && distance <= best.distance + 1e-12);
+      if (!better && last) break;
+      if (better) {
+        u = x, v = y, j = next;
+        best = {face, u, v, j.S, distance};
+      }
     }
+    if (!better || last) break;
   }
   return best;
 }
@@ -269,6 +279,23 @@ Foot Skin::nearest(const Vec& p, const Foot* hint, double good_mm) const {
     point.Add(gp_Pnt(p));
     if (reach < 1e299 && bounds.Distance(point) > reach + join_mm_) continue;
     take(nearest_on(i, p));
+  }
+  // Newton from seeds can end in a false minimum: before a distance is believed, OCCT's own extrema must
+  // agree.
+  if (std::min(best.distance, best_inside.distance) > 1e-6) {
+    const TopoDS_Vertex vertex = BRepBuilderAPI_MakeVertex(gp_Pnt(p));
+    for (int i = 0; i < size(); ++i) {
+      Bnd_Box point;
+      point.Add(gp_Pnt(p));
+      const FaceData& data = faces_[static_cast<std::size_t>(i)];
+      if (data.bounds.Distance(point) > std::min(best.distance, best_inside.distance)) continue;
+      BRepExtrema_DistShapeShape extrema(vertex, data.face);
+      if (!extrema.IsDone() || extrema.NbSolution() == 0 || extrema.Value() > best_inside.distance) continue;
+      double u, v;
+      if (extrema.SupportTypeShape2(1) != BRepExtrema_IsInFace) continue;
+      extrema.ParOnFaceS2(1, u, v);
+      take(foot(i, p, u, v));
+    }
   }
   // A foot just outside the trim loops is right for points on the boundary (pcurve against 3-D curve).
   return best_inside.distance <= best.distance + 1e-9 || best.face < 0 ? best_inside : best;

@@ -208,6 +208,9 @@ TEST(Surface, SeesAPointOffTheSurfaceAndOneOutside) {
   EXPECT_LT(check_on_surface(skin, ply).distance.value, 1e-12);
   ply.segments[0].samples[7].x += Vec(0, 0, 1e-5);
   EXPECT_NEAR(check_on_surface(skin, ply).distance.value, 1e-5, 1e-12);
+  EXPECT_LT(check_on_surface(skin, ply).arc.value, 1e-9);
+  for (std::size_t i = 12; i < 21; ++i) ply.segments[0].samples[i].s += 0.7;  // a jump of s without way
+  EXPECT_GT(check_on_surface(skin, ply).arc.value, 0.4);
   PlyPaths wide{"p", {line_of(0, 50, 0, 101, 20)}};
   EXPECT_NEAR(check_on_surface(skin, wide).outside.value, 1, 1e-9);
 }

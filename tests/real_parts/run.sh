@@ -123,7 +123,7 @@ part cone              brl_rhino_primitives_m.stp 6 8 100 "" 40 "--direction 1,0
 part dome              brl_rhino_primitives_m.stp 7 8 100 "" 40 "--direction 1,0.3,0 --count 80 --start 52000,49000,-9700" "--range 6000 --step 20"
 part cylinder          brl_rhino_primitives_m.stp 8 8 100 "" 40 "--axis 50000,0,0,0,0,1 --angle 45 --count 80" "--range 6000 --step 20"
 part head_pole         cax_s1_head_rational_pole.stp 1,4 4 3.175 "" 2 "--direction 0,1,0.2 --count 60" "--range 40"
-part fish              openvsp_fish_m.stp all 8 3.175 "" 4 "--direction 1,0,0 --count 80" "--range 200"
+part fish              openvsp_fish_m.stp 1-8 8 3.175 "" 4 "--direction 1,0,0 --count 80" "--range 200"
 part engine            volmdlr_aircraft_engine.step 11,20-31,34,35,38 8 12.7 "" 4 "--direction 0,0,1 --count 200" "--range 900"
 part box_wing          aeroshape_box_wing.step 1 8 25.4 m 20 "--direction 0.15,1,0 --count 150" "--range 2500 --step 5"
 
