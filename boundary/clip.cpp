@@ -166,35 +166,40 @@ CourseSegment sample_segment(const Skin& skin, const SurfaceCurve& curve, const 
 SurfaceCurve curve_of(const Skin& skin, const CourseSegment& segment) {
   SurfaceCurve out;
   out.closed = segment.closed;
-  const auto node_of = [&](const CourseSample& sample, const SurfacePoint& at) {
+  // On a crease the derivatives are those of the side that `heading` points to.
+  const auto node_of = [&](const CourseSample& sample, const SurfacePoint& at, const Uv& heading) {
     CurveNode node;
     node.t = sample.s_mm;
     node.at = at;
-    const SurfaceDerivatives d = skin.derivatives(at);
-    node.duv = tangent_to_uv(d, sample.tangent);
+    const Surface& surface = skin.face(at.face).surface;
+    node.duv = tangent_to_uv(surface.derivatives(surface.span_at(at.uv, heading), at.uv), sample.tangent);
     node.kg_per_mm = sample.kg_per_mm;
     node.normal_sign = skin.normal(at).dot(sample.normal) >= 0 ? 1 : -1;
     return node;
   };
   for (std::size_t i = 0; i < segment.samples.size(); ++i) {
     const CourseSample& sample = segment.samples[i];
-    const CurveNode node = node_of(sample, sample.at);
     if (out.pieces.empty()) {
+      const Uv ahead = segment.samples.size() > 1 ? Uv(segment.samples[1].at.uv - sample.at.uv) : Uv(Uv::Zero());
       out.pieces.emplace_back();
-    } else {
-      const CourseSample& before = segment.samples[i - 1];
-      const CurveNode& last = out.pieces.back().back();
-      const Uv off = node.at.uv - last.at.uv - 0.5 * (node.t - last.t) * (node.duv + last.duv);
-      const bool joined = before.at.face == sample.at.face &&
-                          uv_to_tangent(skin.derivatives(sample.at), off).norm() < 0.25 * (node.t - last.t);
-      if (!joined) {
-        // The sample before stands on the edge: find it on this face (or side of the seam).
-        const Surface& surface = skin.face(sample.at.face).surface;
-        const Uv seed = sample.at.uv - (node.t - last.t) * node.duv;
-        const auto foot = foot_point(surface, before.position, seed);
-        out.pieces.emplace_back();
-        out.pieces.back().push_back(node_of(before, {sample.at.face, foot ? *foot : seed}));
-      }
+      out.pieces.back().push_back(node_of(sample, sample.at, ahead));
+      continue;
+    }
+    const CourseSample& before = segment.samples[i - 1];
+    const CurveNode& last = out.pieces.back().back();
+    const CurveNode node = node_of(sample, sample.at, last.at.uv - sample.at.uv);
+    const Surface& surface = skin.face(sample.at.face).surface;
+    const Uv off = node.at.uv - last.at.uv - 0.5 * (node.t - last.t) * (node.duv + last.duv);
+    const bool joined = before.at.face == sample.at.face && !on_crease(surface, last.at.uv) &&
+                        uv_to_tangent(skin.derivatives(sample.at), off).norm() < 0.25 * (node.t - last.t);
+    if (!joined) {
+      // The sample before stands on the edge: find it on this face (or side of the seam or crease).
+      const Uv seed = sample.at.uv - (node.t - last.t) * node.duv;
+      const bool same_place = before.at.face == sample.at.face && on_crease(surface, before.at.uv);
+      const auto foot = same_place ? std::optional<Uv>(before.at.uv) : foot_point(surface, before.position, seed);
+      const Uv uv = foot ? *foot : seed;
+      out.pieces.emplace_back();
+      out.pieces.back().push_back(node_of(before, {sample.at.face, uv}, sample.at.uv - uv));
     }
     out.pieces.back().push_back(node);
   }

@@ -145,6 +145,43 @@ std::vector<int> grow_tangent(const Part& part, const std::vector<int>& seeds, d
   return {reached.begin(), reached.end()};
 }
 
+namespace {
+
+/// Bounds of about `count` cells from lo to hi; each knot span gets its share by length on the surface.
+std::vector<double> cell_bounds(const Surface& surface, int axis, double lo, double hi, double count) {
+  const std::vector<double>& breaks = axis == 0 ? surface.breaks_u() : surface.breaks_v();
+  const double period = axis == 0 ? surface.period_u() : surface.period_v();
+  std::vector<double> spans = {lo};
+  if (!breaks.empty()) {
+    const double start = period > 0 ? period * std::floor((lo - breaks.front()) / period) : 0;
+    for (double shift = start; shift < hi - lo + start + std::max(period, 1e-300); shift += period) {
+      for (double b : breaks)
+        if (b + shift > spans.back() + 1e-12 * (hi - lo) && b + shift < hi - 1e-12 * (hi - lo)) spans.push_back(b + shift);
+      if (period <= 0) break;
+    }
+  }
+  spans.push_back(hi);
+  const Interval other = axis == 0 ? surface.domain_v() : surface.domain_u();
+  const double middle = std::isfinite(other.lo + other.hi) ? 0.5 * (other.lo + other.hi) : 0;
+  std::vector<double> length(spans.size() - 1);
+  double total = 0;
+  for (std::size_t i = 0; i < length.size(); ++i) {
+    const double t = 0.5 * (spans[i] + spans[i + 1]);
+    const SurfaceDerivatives d = surface.derivatives(axis == 0 ? Uv(t, middle) : Uv(middle, t));
+    length[i] = (axis == 0 ? d.Su : d.Sv).norm() * (spans[i + 1] - spans[i]);
+    total += length[i];
+  }
+  std::vector<double> out = {lo};
+  for (std::size_t i = 0; i < length.size(); ++i) {
+    const double share = total > 0 ? length[i] / total : 1.0 / static_cast<double>(length.size());
+    const int n = std::max(1, static_cast<int>(std::lround(count * share)));
+    for (int k = 1; k <= n; ++k) out.push_back(spans[i] + (spans[i + 1] - spans[i]) * k / n);
+  }
+  return out;
+}
+
+}  // namespace
+
 std::vector<AreaSample> area_samples(const Part& part, int face, const TrimRegion& trim, int count) {
   // Midpoints of a tensor grid; cells are shaped so that they are about square on the surface.
   const Surface& surface = part.faces[static_cast<std::size_t>(face)].surface;
@@ -156,18 +193,18 @@ std::vector<AreaSample> area_samples(const Part& part, int face, const TrimRegio
       lu += d.Su.norm() * size.x() / 49;
       lv += d.Sv.norm() * size.y() / 49;
     }
-  const double ratio = std::clamp(lu / std::max(lv, 1e-300), 1e-2, 1e2);
-  const int nu = std::max(3, static_cast<int>(std::lround(std::sqrt(count * ratio))));
-  const int nv = std::max(3, static_cast<int>(std::lround(std::sqrt(count / ratio))));
+  // Cells do not straddle knots: the speed of the parametrisation may jump there.
+  const double cell_mm = std::sqrt(std::max(lu * lv, 1e-300) / count);
+  const auto u = cell_bounds(surface, 0, lo.x(), lo.x() + size.x(), std::max(3.0, lu / cell_mm));
+  const auto v = cell_bounds(surface, 1, lo.y(), lo.y() + size.y(), std::max(3.0, lv / cell_mm));
   std::vector<AreaSample> out;
-  out.reserve(static_cast<std::size_t>(nu * nv));
-  const double cell = size.x() * size.y() / (static_cast<double>(nu) * nv);
-  for (int i = 0; i < nu; ++i)
-    for (int j = 0; j < nv; ++j) {
-      const Uv uv = lo + size.cwiseProduct(Uv((i + 0.5) / nu, (j + 0.5) / nv));
+  out.reserve(u.size() * v.size());
+  for (std::size_t i = 0; i + 1 < u.size(); ++i)
+    for (std::size_t j = 0; j + 1 < v.size(); ++j) {
+      const Uv uv(0.5 * (u[i] + u[i + 1]), 0.5 * (v[j] + v[j + 1]));
       if (!trim.contains(uv)) continue;
       const SurfaceDerivatives d = surface.derivatives(uv);
-      out.push_back({{face, uv}, d.Su.cross(d.Sv).norm() * cell});
+      out.push_back({{face, uv}, d.Su.cross(d.Sv).norm() * (u[i + 1] - u[i]) * (v[j + 1] - v[j])});
     }
   return out;
 }

@@ -25,6 +25,7 @@ struct Direction {
   std::vector<double> breaks;
   std::vector<int> first_pole;                 // by span
   std::vector<Eigen::MatrixXd> to_bernstein;   // by span
+  std::vector<double> creases;
   double period = 0;
   int spans() const { return static_cast<int>(breaks.size()) - 1; }
 };
@@ -62,6 +63,8 @@ Direction make_direction(const std::vector<double>& knots, int degree, bool peri
     out.to_bernstein.push_back(bernstein_matrix(knots, degree, span));
   }
   out.breaks.push_back(knots[static_cast<std::size_t>(last)]);
+  for (std::size_t i = 1; i + 1 < out.breaks.size(); ++i)
+    if (std::count(knots.begin(), knots.end(), out.breaks[i]) >= degree) out.creases.push_back(out.breaks[i]);
   if (periodic) out.period = out.breaks.back() - out.breaks.front();
   return out;
 }
@@ -563,6 +566,13 @@ const std::vector<double>& Surface::breaks_u() const {
 }
 const std::vector<double>& Surface::breaks_v() const {
   return data_->kind == SurfaceKind::bspline ? data_->v.breaks : no_breaks;
+}
+
+const std::vector<double>& Surface::creases_u() const {
+  return data_->kind == SurfaceKind::bspline ? data_->u.creases : no_breaks;
+}
+const std::vector<double>& Surface::creases_v() const {
+  return data_->kind == SurfaceKind::bspline ? data_->v.creases : no_breaks;
 }
 
 const BSplineSurface* Surface::spline() const {

@@ -85,6 +85,11 @@ class Surface {
   const std::vector<double>& breaks_u() const;
   const std::vector<double>& breaks_v() const;
 
+  /// Inner knots where the parametrisation is only continuous (multiplicity >= degree): a curve that is
+  /// smooth in space may have a corner in (u, v) there.
+  const std::vector<double>& creases_u() const;
+  const std::vector<double>& creases_v() const;
+
   /// The data of a B-spline, null for analytic kinds.
   const BSplineSurface* spline() const;
   /// Frame and radii of an analytic kind (cone: R and half angle; torus: R and r).

@@ -7,6 +7,53 @@
 
 namespace afptraj {
 
+namespace {
+
+constexpr double on_line = 1e-10;  // of the domain: what counts as on a line
+
+struct Lines {
+  const std::vector<double>* values;
+  double period, size, origin;
+};
+
+Lines lines_of(const Surface& surface, int axis) {
+  const Interval d = axis == 0 ? surface.domain_u() : surface.domain_v();
+  return {axis == 0 ? &surface.creases_u() : &surface.creases_v(), axis == 0 ? surface.period_u() : surface.period_v(),
+          d.length(), d.lo};
+}
+
+double periods_below(const Lines& lines, double t) {
+  return lines.period > 0 ? lines.period * std::floor((t - lines.origin) / lines.period) : 0.0;
+}
+
+}  // namespace
+
+std::optional<CreaseCrossing> crease_between(const Surface& surface, const Uv& a, const Uv& b) {
+  std::optional<CreaseCrossing> first;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Lines lines = lines_of(surface, axis);
+    if (lines.values->empty()) continue;
+    const double shift = periods_below(lines, a[axis]), slack = on_line * lines.size;
+    const double lo = std::min(a[axis], b[axis]) + slack, hi = std::max(a[axis], b[axis]) - slack;
+    auto it = std::lower_bound(lines.values->begin(), lines.values->end(), lo - shift);
+    for (; it != lines.values->end() && *it + shift < hi; ++it) {
+      const double x = (*it + shift - a[axis]) / (b[axis] - a[axis]);
+      if (!first || x < first->x) first = CreaseCrossing{x, axis, *it + shift};
+    }
+  }
+  return first;
+}
+
+bool on_crease(const Surface& surface, const Uv& uv) {
+  for (int axis = 0; axis < 2; ++axis) {
+    const Lines lines = lines_of(surface, axis);
+    const double shift = periods_below(lines, uv[axis]), slack = on_line * lines.size;
+    for (double value : *lines.values)
+      if (std::abs(value + shift - uv[axis]) <= slack) return true;
+  }
+  return false;
+}
+
 UvCubic cubic(const std::vector<CurveNode>& piece, std::size_t i) {
   const CurveNode& a = piece[i];
   const CurveNode& b = piece[i + 1];

@@ -39,6 +39,17 @@ struct SurfaceCurve {
   double last() const { return pieces.back().back().t; }
 };
 
+/// Where a step in (u, v) from `a` to `b` passes a line of the surface's parametrisation that is only
+/// continuous: x in (0, 1) along the straight step, and the line. Ends on the line do not count.
+struct CreaseCrossing {
+  double x = 0;
+  int axis = 0;      ///< 0: a line u = value, 1: v = value
+  double value = 0;
+};
+std::optional<CreaseCrossing> crease_between(const Surface& surface, const Uv& a, const Uv& b);
+/// Whether a point lies on such a line.
+bool on_crease(const Surface& surface, const Uv& uv);
+
 /// The cubic between nodes `i` and `i + 1` of a piece, over x in [0, 1].
 UvCubic cubic(const std::vector<CurveNode>& piece, std::size_t i);
 

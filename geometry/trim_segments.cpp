@@ -1,4 +1,3 @@
-// CGAL first: OpenCASCADE-style macros elsewhere must not meet its headers.
 #include "geometry/trim_segments.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

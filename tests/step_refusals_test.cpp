@@ -120,7 +120,17 @@ TEST_F(Refusals, DeepNesting) {
 
 TEST_F(Refusals, CoordinatesWithoutSense) {
   std::string text = panel();
-  expect_refused(result(replaced(text, "(0.,0.,5.767163458401)", "(0.,1.E+90,5.767163458401)")), 3, {"part.step"});
+  std::string far;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string corner = "5.767163458401";
+    if (text.compare(i, corner.size(), corner) == 0) {
+      far += "1.E+90";
+      i += corner.size() - 1;
+    } else {
+      far += text[i];
+    }
+  }
+  expect_refused(result(far), 3, {"part.step"});
   // Every coordinate zero: all points are one.
   std::string flat;
   for (std::size_t i = 0; i < text.size();) {
@@ -151,7 +161,7 @@ TEST_F(Refusals, AnUnknownUnit) {
 TEST_F(Refusals, MissingUnitIsAssumedAndSaid) {
   // The context without its units is still a context; OpenCASCADE reads it as millimetres.
   std::string text = panel();
-  const std::size_t units = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT((");
+  const std::size_t units = text.find("GLOBAL_UNIT_ASSIGNED_CONTEXT");
   ASSERT_NE(units, std::string::npos);
   const std::size_t first = text.find('#', units);
   const std::size_t comma = text.find(',', first);

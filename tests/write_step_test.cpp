@@ -126,9 +126,11 @@ TEST_P(WriteStep, ReadsBackWithNamesGroupsAndColours) {
     ASSERT_EQ(read[w].curves.size(), written[w].curves.size());
     ASSERT_TRUE(read[w].coloured);
     // A colour goes through single precision and the transfer curve of sRGB.
-    EXPECT_NEAR(read[w].colour.Red(), written[w].rgb[0], 1e-3);
-    EXPECT_NEAR(read[w].colour.Green(), written[w].rgb[1], 1e-3);
-    EXPECT_NEAR(read[w].colour.Blue(), written[w].rgb[2], 1e-3);
+    double red, green, blue;
+    read[w].colour.Values(red, green, blue, Quantity_TOC_sRGB);
+    EXPECT_NEAR(red, written[w].rgb[0], 1e-3);
+    EXPECT_NEAR(green, written[w].rgb[1], 1e-3);
+    EXPECT_NEAR(blue, written[w].rgb[2], 1e-3);
     for (std::size_t c = 0; c < read[w].curves.size(); ++c) {
       const BSplineCurve3& curve = written[w].curves[c];
       const Handle(Geom_BSplineCurve)& other = read[w].curves[c];
@@ -151,7 +153,7 @@ TEST_P(WriteStep, SameBytes) {  // (W1)
   write_step(a, wires(), {GetParam(), "panel"});
   std::vector<std::string> noise(1000, std::string(100, 'x'));  // other addresses on the heap
   write_step(b + "/paths.step", wires(), {GetParam(), "panel"});
-  EXPECT_EQ(test::content_of(a), test::content_of(b + "/paths.step"));
+  EXPECT_TRUE(test::content_of(a) == test::content_of(b + "/paths.step"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemas, WriteStep, testing::Values(StepSchema::ap242, StepSchema::ap214),

@@ -58,6 +58,7 @@ CurveNode level_node(const Skin& skin, const SourceCurve& source, const Ray& ray
 
 bool same_chart(const Skin& skin, const CurveNode& a, const CurveNode& b) {
   if (a.at.face != b.at.face || a.normal_sign != b.normal_sign) return false;
+  if (crease_between(skin.face(a.at.face).surface, a.at.uv, b.at.uv)) return false;
   const Uv miss = b.at.uv - a.at.uv - 0.5 * (b.t - a.t) * (a.duv + b.duv);
   const SurfaceDerivatives d = skin.derivatives(a.at);
   const SurfaceDerivatives e = skin.derivatives(b.at);

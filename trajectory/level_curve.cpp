@@ -95,6 +95,17 @@ class CurveBuilder {
   void join(const CurveNode& a, const CurveNode& b) {
     CurveNode out = a, in = b;
     const double gap = std::max(b.t - a.t, 1e-9);
+    if (a.at.face == b.at.face) {
+      if (const auto crease = crease_between(skin_.face(a.at.face).surface, a.at.uv, b.at.uv)) {
+        // The same point of the same face, with the derivatives of either side.
+        out.at.uv = a.at.uv + crease->x * (b.at.uv - a.at.uv);
+        out.at.uv[crease->axis] = crease->value;
+        out.t = a.t + crease->x * gap;
+        in.at.uv = out.at.uv;
+        begin_piece(out, in);
+        return;
+      }
+    }
     const UvCubic ahead = UvCubic::line(a.at.uv, a.at.uv + 2 * gap * a.duv);
     const auto hit = skin_.trim(a.at.face).first_crossing(ahead, true);
     bool solved = false;
@@ -116,6 +127,10 @@ class CurveBuilder {
       const auto foot = foot_point(skin_.face(b.at.face).surface, skin_.point(a.at), b.at.uv);
       if (foot) in.at.uv = *foot;
     }
+    begin_piece(out, in);
+  }
+
+  void begin_piece(const CurveNode& out, CurveNode in) {
     in.t = out.t;
     if (out.t - curve_.pieces.back().back().t > 1e-12) push(out);
     curve_.pieces.emplace_back();

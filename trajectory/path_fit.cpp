@@ -29,7 +29,7 @@ struct Passage {
 };
 
 bool same_chart(const Skin& skin, const SteppedPoint& p, const SteppedPoint& q) {
-  if (p.at.face != q.at.face) return false;
+  if (p.at.face != q.at.face || crease_between(skin.face(p.at.face).surface, p.at.uv, q.at.uv)) return false;
   // The straight (u, v) segment must be as long on the surface as the step in space.
   const SurfaceDerivatives d = skin.derivatives({p.at.face, 0.5 * (p.at.uv + q.at.uv)});
   const double along = uv_to_tangent(d, q.at.uv - p.at.uv).norm();
@@ -49,6 +49,16 @@ std::vector<Passage> passages(const Skin& skin, const SteppedPoint& p, const Ste
     const auto foot = foot_point(surface, q.position, seed);
     const UvCubic path = UvCubic::line(at.uv, foot ? *foot : seed);
     const auto hit = skin.trim(at.face).first_crossing(path, true);
+    const auto crease = crease_between(surface, at.uv, path.point(1));
+    if (crease && (!hit || crease->x < hit->x)) {
+      Uv uv = at.uv + crease->x * (path.point(1) - at.uv);
+      uv[crease->axis] = crease->value;
+      out.push_back({{at.face, uv}, {at.face, uv}, skin.normal(at).dot(carried) >= 0 ? 1 : -1});
+      at.uv = uv;
+      SteppedPoint here{at, skin.point(at), Vec3::Zero(), 1, 0};
+      if (same_chart(skin, here, q)) return out;
+      continue;
+    }
     if (!hit) return out;
     const EdgeUse use{at.face, hit->loop, hit->coedge};
     Passage passage;

@@ -104,6 +104,12 @@ std::string label_name(const TDF_Label& label) {
   return utf8;
 }
 
+std::array<double, 3> to_srgb(const Quantity_Color& colour) {
+  std::array<double, 3> rgb;
+  colour.Values(rgb[0], rgb[1], rgb[2], Quantity_TOC_sRGB);
+  return rgb;
+}
+
 /// Walks shapes and adds their faces.
 class FaceCollector {
  public:
@@ -159,7 +165,7 @@ class FaceCollector {
     if (colours_.IsNull()) return std::nullopt;
     if (colours_->GetColor(face.Located(TopLoc_Location()), XCAFDoc_ColorSurf, colour) ||
         colours_->GetColor(face.Located(TopLoc_Location()), XCAFDoc_ColorGen, colour)) {
-      return std::array<double, 3>{colour.Red(), colour.Green(), colour.Blue()};
+      return to_srgb(colour);
     }
     return colour_;
   }
@@ -216,7 +222,7 @@ class ProductWalk {
   std::optional<std::array<double, 3>> colour_of(const TDF_Label& label) const {
     Quantity_Color colour;
     if (colours_->GetColor(label, XCAFDoc_ColorSurf, colour) || colours_->GetColor(label, XCAFDoc_ColorGen, colour)) {
-      return std::array<double, 3>{colour.Red(), colour.Green(), colour.Blue()};
+      return to_srgb(colour);
     }
     return std::nullopt;
   }

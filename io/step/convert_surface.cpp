@@ -127,7 +127,7 @@ ConvertedSurface interpolate(const Handle(Geom_Surface)& surface, const UvBox& b
   result.tolerance_mm = std::max(std::min(1e-10 * std::max(1.0, (hi - lo).norm()), 1e-9), 2e-13 * far);
   SurfaceInterpolation made = interpolate_surface([&](double x, double y) { return to_vec3(surface->Value(x, y)); },
                                                   breaks_within(ends_u, u.lo, u.hi), breaks_within(ends_v, v.lo, v.hi),
-                                                  result.tolerance_mm);
+                                                  0.5 * result.tolerance_mm);  // between the probes it errs a little more
   made.spline.periodic_u = u.periodic;
   made.spline.periodic_v = v.periodic;
   result.surface.kind = SurfaceKind::bspline;

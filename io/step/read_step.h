@@ -42,7 +42,7 @@ struct StepModel {
   int sewn_edges = 0;             ///< edges that joining made shared
   double greatest_sewn_gap_mm = 0;  ///< greatest distance between the two sides of a joined edge
   double greatest_edge_gap_mm = 0;  ///< the same over all edges shared by two uses
-  std::vector<std::optional<std::array<double, 3>>> colours;  ///< one per face: linear RGB in [0, 1]
+  std::vector<std::optional<std::array<double, 3>>> colours;  ///< one per face: sRGB in [0, 1]
   std::vector<std::string> warnings;  ///< one line each, for people
 };
 

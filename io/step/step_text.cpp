@@ -241,7 +241,7 @@ class Scanner {
       if (next < s_.size() && s_[next] == '(') {
         if (text_.instances.back().type.empty()) text_.instances.back().type = word;
         if (depth_ <= 1) ++text_.keywords[word];
-      } else {
+      } else if (next < s_.size()) {  // at the end of the file the end is what is wrong
         refuse_here("\"" + std::string(word.substr(0, 40)) + "\" stands where a number or a reference belongs; export the file again");
       }
     }

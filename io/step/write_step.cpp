@@ -27,6 +27,7 @@
 #include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
+#include <StepRepr_NextAssemblyUsageOccurrence.hxx>
 #include <StepRepr_RepresentationContext.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <StepVisual_Colour.hxx>
@@ -164,11 +165,20 @@ void add_colours(const Handle(XSControl_WorkSession)& session, const std::vector
     if (item.IsNull() || context.IsNull()) throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE has no STEP entity for a course");
     const std::array<double, 3>& rgb = wires[i].rgb;
     const Handle(StepVisual_Colour) colour =
-        STEPConstruct_Styles::EncodeColor(Quantity_Color(rgb[0], rgb[1], rgb[2], Quantity_TOC_RGB), predefined, mixed);
+        STEPConstruct_Styles::EncodeColor(Quantity_Color(rgb[0], rgb[1], rgb[2], Quantity_TOC_sRGB), predefined, mixed);
     styles.AddStyle(item, styles.MakeColorPSA(item, nullptr, colour, nullptr, 0), nullptr);
     Handle(StepVisual_MechanicalDesignGeometricPresentationRepresentation) presentation;
     if (!styles.CreateMDGPR(context, presentation)) throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE cannot colour a course");
     session->Model()->AddWithRefs(presentation);
+  }
+}
+
+/// OpenCASCADE numbers placements by a counter that goes on through the life of the process.
+void number_placements(const Handle(StepData_StepModel)& model) {
+  int number = 0;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto placement = Handle(StepRepr_NextAssemblyUsageOccurrence)::DownCast(model->Value(i));
+    if (!placement.IsNull()) placement->SetId(new TCollection_HAsciiString(std::to_string(++number).c_str()));
   }
 }
 
@@ -223,6 +233,7 @@ std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOption
   const Handle(XSControl_WorkSession) session = writer.ChangeWriter().WS();
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(session->Model());
   add_colours(session, wires, shapes);
+  number_placements(model);
   set_header(model, name);
   StepData_StepWriter text(model);
   text.SendModel(Handle(StepData_Protocol)::DownCast(session->Protocol()));

@@ -13,7 +13,7 @@ namespace afptraj {
 struct StepWire {
   std::string name;               ///< of the course, for example "course +3.1"
   std::string group;              ///< of the ply; wires of one group stay together
-  std::array<double, 3> rgb = {0, 0, 0};  ///< in [0, 1]
+  std::array<double, 3> rgb = {0, 0, 0};  ///< sRGB in [0, 1], as screens show it
   std::vector<BSplineCurve3> curves;
 };
 
