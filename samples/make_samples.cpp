@@ -121,9 +121,10 @@ void wing(const std::filesystem::path& to) {
   const Handle(Geom_BSplineSurface) surface = samples::wing_surface();
   samples::write_part(to / "part.step", "wing",
                       samples::split_and_sewn(surface, {0, 1, 2}, {0, 750, 1375, 2000}));
-  std::vector<Spot> spots = scattered(0.06, 0.94, 40, 1960, 3, 9);  // below
+  // u is the square root of the chord: the spots stand closer round the leading edge, where the skin turns.
+  std::vector<Spot> spots = scattered(0.04, 1.96, 40, 1960, 9, 9);
   for (Spot& spot : spots) spot.start = false;
-  for (const Spot& spot : scattered(1.06, 1.94, 40, 1960, 3, 9)) spots.push_back(spot);  // above
+  spots[7 * 9 + 4].start = true;  // above, half way along the span
   samples::write_plies(to / "plies.csv", plies_of(surface, spots,
                                                   {{"P1 0", gp_Vec(0.09, 1, 0), constant(0)},
                                                    {"P2 +45", gp_Vec(0.09, 1, 0), constant(45)}}));

@@ -292,6 +292,15 @@ void Front::settle_links() {
     }
 }
 
+/// Whether a curve on the skin lies nearer than W: an extension must keep its distance too.
+bool Front::too_near(const PathFrame& at, const LaidCurves& laid) const {
+  constexpr double allowed_mm = 5e-4;  // half of what the spacing may be off
+  const auto rival = laid.rival(*tracer_, at.position, at.normal, options_.spacing_mm - allowed_mm, -1, 0, 0);
+  if (!rival) return false;
+  const CurveFrame foot = frame_at(tracer_->skin(), laid.curve(rival->curve), rival->foot.t);
+  return tracer_->skin().trim(foot.at.face).contains(foot.at.uv);
+}
+
 namespace {
 
 /// Whether a path has come abreast of its own older part, within `near_mm`.
@@ -327,7 +336,7 @@ void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current,
         if (walked != TraceEnd::reached) break;
         const PathFrame at = frame_of(skin, g);
         const double near = 0.9 * options_.spacing_mm;
-        if (winds_round(skin, states, at, near) || laid.abreast(at.position, at.normal, at.tangent, near, 0.75 * step + options_.sample_mm) ||
+        if (winds_round(skin, states, at, near) || (level > 0 && !g.outside && too_near(at, laid)) || laid.abreast(at.position, at.normal, at.tangent, near, 0.75 * step + options_.sample_mm) ||
             (g.s_mm > 2 * step &&
              current.abreast(at.position, at.normal, at.tangent, 0.5 * options_.spacing_mm, 0.75 * options_.sample_mm))) {
           met = true;

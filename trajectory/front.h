@@ -91,6 +91,7 @@ class Front {
   void refine(Strand& strand, int level) const;
   bool is_valid(const Ray& ray, const Strand& strand, const LaidCurves& laid) const;
   void settle_links();
+  bool too_near(const PathFrame& at, const LaidCurves& laid) const;
 
   const GeodesicTracer* tracer_;
   int side_;

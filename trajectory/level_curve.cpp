@@ -95,7 +95,8 @@ class CurveBuilder {
   void join(const CurveNode& a, const CurveNode& b) {
     CurveNode out = a, in = b;
     const double gap = std::max(b.t - a.t, 1e-9);
-    if (a.at.face == b.at.face) {
+    const double apart = uv_to_tangent(skin_.derivatives(a.at), b.at.uv - a.at.uv).norm();
+    if (a.at.face == b.at.face && apart < 10 * bracket_mm) {  // farther apart: a seam or pole between
       if (const auto crease = crease_between(skin_.face(a.at.face).surface, a.at.uv, b.at.uv)) {
         // The same point of the same face, with the derivatives of either side.
         out.at.uv = a.at.uv + crease->x * (b.at.uv - a.at.uv);

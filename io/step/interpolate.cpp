@@ -207,41 +207,70 @@ SurfaceInterpolation interpolate_surface(const std::function<Vec3(double, double
   }
 }
 
+namespace {
+
+/// One polynomial piece of a curve, known by its points at the nodes.
+struct CurveCell {
+  double t0, t1;
+  Matrix nodes;
+  double error = 0, allowed = 0;
+  bool good() const { return error <= allowed; }
+};
+
+Matrix sample_curve(const std::function<Uv(double)>& point, const std::vector<double>& ts, double t0, double t1) {
+  Matrix values(static_cast<Eigen::Index>(ts.size()), 2);
+  for (std::size_t k = 0; k < ts.size(); ++k) values.row(static_cast<Eigen::Index>(k)) = point(at(t0, t1, ts[k])).transpose();
+  return values;
+}
+
+/// The lowest degree that changes no cell by more than a small part of what it is allowed.
+int sufficient_degree(const std::vector<CurveCell>& cells) {
+  int degree = 1;
+  for (const CurveCell& cell : cells) {
+    const Matrix coefficients = basis(top).to_chebyshev * cell.nodes;
+    while (degree < top && tail(coefficients, degree) > 0.02 * cell.allowed) ++degree;
+  }
+  return degree;
+}
+
+}  // namespace
+
 CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std::vector<double> breaks,
                                      const std::function<double(double, double)>& tolerance, int max_cells) {
   const Basis& b = basis(top);
-  const auto sample_cell = [&](const std::vector<double>& ts, double t0, double t1) {
-    Matrix values(static_cast<Eigen::Index>(ts.size()), 2);
-    for (std::size_t k = 0; k < ts.size(); ++k) values.row(static_cast<Eigen::Index>(k)) = point(at(t0, t1, ts[k])).transpose();
-    return values;
+  const auto examine_cell = [&](double t0, double t1) {
+    CurveCell cell{t0, t1, sample_curve(point, b.nodes, t0, t1), 0, tolerance(t0, t1)};
+    cell.error = (b.at_probes * cell.nodes - sample_curve(point, b.probes, t0, t1)).cwiseAbs().maxCoeff();
+    return cell;
   };
-  while (true) {
-    CurveInterpolation result;
-    std::vector<bool> marked(breaks.size() - 1, false);
-    bool done = true;
-    int degree = 1;
-    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-      const Matrix nodes = sample_cell(b.nodes, breaks[i], breaks[i + 1]);
-      const double error = (b.at_probes * nodes - sample_cell(b.probes, breaks[i], breaks[i + 1])).cwiseAbs().maxCoeff();
-      result.error = std::max(result.error, error);
-      const double allowed = tolerance(breaks[i], breaks[i + 1]);
-      if (!(error <= allowed)) marked[i] = true, done = false;
-      const Matrix coefficients = b.to_chebyshev * nodes;
-      while (degree < top && tail(coefficients, degree) > 0.02 * allowed) ++degree;
+  std::vector<CurveCell> cells;
+  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) cells.push_back(examine_cell(breaks[i], breaks[i + 1]));
+  while (static_cast<int>(cells.size()) < max_cells && !std::all_of(cells.begin(), cells.end(), [](const CurveCell& c) { return c.good(); })) {
+    std::vector<CurveCell> finer;
+    for (CurveCell& cell : cells) {
+      if (cell.good()) {
+        finer.push_back(std::move(cell));
+        continue;
+      }
+      const double middle = 0.5 * (cell.t0 + cell.t1);
+      finer.push_back(examine_cell(cell.t0, middle));
+      finer.push_back(examine_cell(middle, cell.t1));
     }
-    if (!done && static_cast<int>(breaks.size()) <= max_cells) {
-      split(breaks, marked);
-      continue;
-    }
-    const Basis& low = basis(degree);
-    result.curve.degree = degree;
-    result.curve.knots = flat_knots(breaks, degree);
-    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-      const Matrix poles = low.to_bernstein * sample_cell(low.nodes, breaks[i], breaks[i + 1]);
-      for (int k = i == 0 ? 0 : 1; k <= degree; ++k) result.curve.poles.push_back(poles.row(k).transpose());
-    }
-    return result;
+    cells = std::move(finer);
   }
+  CurveInterpolation result;
+  const Basis& low = basis(sufficient_degree(cells));
+  const int degree = static_cast<int>(low.nodes.size()) - 1;
+  breaks.assign(1, cells.front().t0);
+  for (const CurveCell& cell : cells) {
+    result.error = std::max(result.error, cell.error);
+    breaks.push_back(cell.t1);
+    const Matrix poles = low.to_bernstein * (degree == top ? cell.nodes : sample_curve(point, low.nodes, cell.t0, cell.t1));
+    for (int k = result.curve.poles.empty() ? 0 : 1; k <= degree; ++k) result.curve.poles.push_back(poles.row(k).transpose());
+  }
+  result.curve.degree = degree;
+  result.curve.knots = flat_knots(breaks, degree);
+  return result;
 }
 
 }  // namespace afptraj::step

@@ -67,6 +67,10 @@ double interpolate_table(const std::vector<double>& xs, const std::vector<double
   return width > 0 ? ys[i - 1] + (ys[i] - ys[i - 1]) * (x - xs[i - 1]) / width : ys[i - 1];
 }
 
+/// Gauss-Newton steps end when they get this short; the next one would be shorter by the distance
+/// times the curvature.
+constexpr double converged_mm = 1e-12;
+
 double refine_nearest(const SpaceCurve& curve, double t, const Vec3& p) {
   const double range = curve.last() - curve.first();
   for (int k = 0; k < 40; ++k) {
@@ -75,7 +79,7 @@ double refine_nearest(const SpaceCurve& curve, double t, const Vec3& p) {
     if (!(squared > 0)) break;
     const double step = std::clamp((p - point).dot(d) / squared, -0.05 * range, 0.05 * range);
     t = std::clamp(t + step, curve.first() - 0.01 * range, curve.last() + 0.01 * range);
-    if (std::abs(step) <= 1e-15 * range) break;
+    if (std::abs(step) * std::sqrt(squared) <= converged_mm || std::abs(step) <= 1e-15 * range) break;
   }
   return t;
 }
@@ -190,7 +194,7 @@ Uv foot(const Surface& surface, const Vec3& p, Uv uv) {
     const double x = r.dot(d.Su), y = r.dot(d.Sv);
     const Uv step((g * x - f * y) / determinant, (e * y - f * x) / determinant);
     uv += step;
-    if (step.cwiseAbs().maxCoeff() <= 1e-15 * uv.cwiseAbs().maxCoeff()) break;
+    if ((d.Su * step.x() + d.Sv * step.y()).norm() <= converged_mm) break;
   }
   return uv;
 }

@@ -107,10 +107,12 @@ EndCheck check_ends(const Skin& skin, const PlyPaths& ply, double reach_mm) {
     const BoundaryFoot foot = skin.boundary(end.x);
     const double distance = std::min(foot.on_pcurve, foot.on_curve);
     if (distance > reach_mm) {
-      // Where fronts met, two ends of one course share a point inside the skin.
+      // Where fronts met, two ends share a point inside the skin: of one course, or of k and -k on a closed
+      // skin.
       bool corner = false;
       for (std::size_t k = 0; k < ends.size() && !corner; ++k)
-        corner = k != i && ends[k].first == ends[i].first && (ends[k].second->x - end.x).Modulus() < 1e-3;
+        corner = k != i && std::abs(ends[k].first) == std::abs(ends[i].first) &&
+                 (ends[k].second->x - end.x).Modulus() < 1e-3;
       ++(corner ? check.corner : check.inside);
       if (!corner) check.error.take(distance, end.x, what);
       continue;
