@@ -6,6 +6,8 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -197,6 +199,36 @@ TEST_F(Refusals, ACrashOfTheImporterIsAnError) {
   // And nothing is left behind: the next file reads, no child waits to be collected.
   EXPECT_EQ(result(panel()), "");
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
+}
+
+/// Damage at random: the program survives, and answers with a part, code 3 or code 6, in one line.
+TEST_F(Refusals, RandomDamage) {
+  const std::string text = panel();
+  std::mt19937 random(5);
+  const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  const std::size_t data = text.find("DATA;");
+  StepReadOptions options;
+  options.timeout_s = 20;
+  for (int trial = 0; trial < 60; ++trial) {
+    std::string damaged = text;
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t line = damaged.rfind('\n', data + pick(damaged.size() - data - 100));
+      const std::size_t end = damaged.find('\n', line + 1);
+      const std::size_t hash = damaged.find('#', line + 2), digit = damaged.find_first_of("0123456789", line + 4);
+      switch (pick(5)) {
+        case 0: damaged.erase(line, end - line); break;
+        case 1: damaged.insert(line, damaged.substr(line, end - line)); break;
+        case 2: damaged.replace(hash, 3, "#" + std::to_string(1 + pick(99))); break;
+        case 3: damaged.replace(digit, 1, std::to_string(pick(1000000))); break;
+        default: damaged[line + 1 + pick(end - line)] = static_cast<char>(32 + pick(95)); break;
+      }
+    }
+    const std::string answer = result(damaged, options);
+    if (!answer.empty()) {
+      EXPECT_TRUE(answer.starts_with("3 ") || answer.starts_with("6 ")) << answer;
+      EXPECT_EQ(answer.find('\n'), std::string::npos) << answer;
+    }
+  }
 }
 
 TEST(Isolation, HandsOverBytesAndErrors) {

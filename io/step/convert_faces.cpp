@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <optional>
 #include <utility>
@@ -103,14 +104,24 @@ class PcurveRefiner {
   std::optional<Surface> surface_;
 };
 
-PlainFace convert_face(const SourceFace& source, EdgeBook& book, std::vector<std::string>& repairs) {
+bool is_sound(const PlainSurface& surface) {
+  const auto finite = [](double x) { return std::isfinite(x); };
+  bool sound = finite(surface.radius) && finite(surface.second);
+  for (const Vec3* v : {&surface.frame.origin, &surface.frame.x, &surface.frame.y, &surface.frame.z}) sound = sound && v->allFinite();
+  const BSplineSurface& spline = surface.spline;
+  return sound && std::all_of(spline.poles.begin(), spline.poles.end(), [](const Vec3& p) { return p.allFinite(); }) &&
+         std::all_of(spline.weights.begin(), spline.weights.end(), [&](double w) { return finite(w) && w > 0; });
+}
+
+PlainFace convert_face(const SourceFace& source, EdgeBook& book, std::vector<Repair>& repairs) {
   const gp_Trsf placement = source.face.Location().Transformation();
   if (std::abs(std::abs(placement.ScaleFactor()) - 1) > 1e-9) throw Error(ErrorCode::bad_input, "", "its instance is scaled");
   RawLoops raw = build_loops(source.face);
   const ConvertedSurface converted = convert_surface(BRep_Tool::Surface(source.face), raw.box);
   if (converted.error_mm > converted.tolerance_mm) {
-    repairs.push_back("its surface is " + std::to_string(converted.error_mm) + " mm off where 1e-9 mm was asked");
+    repairs.push_back({"its surface is not followed to 1e-9 mm", converted.error_mm});
   }
+  if (!is_sound(converted.surface)) throw Error(ErrorCode::bad_input, "", "its surface has a coordinate or weight that is not a number");
   PlainFace face;
   face.surface = converted.surface;
   // A mirrored placement turns S_u x S_v but not the mark of the face.
@@ -134,23 +145,27 @@ PlainFace convert_face(const SourceFace& source, EdgeBook& book, std::vector<std
   return face;
 }
 
-/// Counts what happened to faces; one line a kind of repair, with the first face as an example.
+/// What happened to faces: one line a kind of repair, with the first face and the greatest size.
 class RepairLog {
  public:
-  void add(const std::string& what, const SourceFace& face) {
-    Entry& entry = entries_[what];
+  void add(const Repair& repair, const SourceFace& face) {
+    Entry& entry = entries_[repair.what];
     if (entry.count++ == 0) entry.first = face.step_id > 0 ? "#" + std::to_string(face.step_id) : face.name;
+    entry.mm = std::max(entry.mm, repair.mm);
   }
   void report(std::vector<std::string>& warnings) const {
     for (const auto& [what, entry] : entries_) {
-      const std::string more = entry.count > 1 ? " (and " + std::to_string(entry.count - 1) + " more times)" : "";
-      warnings.push_back("face " + entry.first + ": " + what + more);
+      char size[48] = "";
+      if (entry.mm > 0) std::snprintf(size, sizeof size, ", by up to %.2g mm", entry.mm);
+      const std::string more = entry.count > 1 ? " (" + std::to_string(entry.count) + " times in all)" : "";
+      warnings.push_back("face " + entry.first + ": " + what + size + more);
     }
   }
 
  private:
   struct Entry {
     int count = 0;
+    double mm = 0;
     std::string first;
   };
   std::map<std::string, Entry> entries_;
@@ -162,13 +177,13 @@ void convert_faces(const std::vector<SourceFace>& faces, PlainModel& model) {
   EdgeBook book(model.edges);
   RepairLog log;
   for (const SourceFace& source : faces) {
-    std::vector<std::string> repairs;
+    std::vector<Repair> repairs;
     try {
       model.faces.push_back(occt_guard(ErrorCode::bad_input, "", "converting a face", [&] { return convert_face(source, book, repairs); }));
     } catch (const Error& error) {
-      repairs.assign(1, std::string("left out: ") + error.what());
+      repairs.assign(1, {std::string("left out: ") + error.what(), 0});
     }
-    for (const std::string& repair : repairs) log.add(repair, source);
+    for (const Repair& repair : repairs) log.add(repair, source);
   }
   log.report(model.head.warnings);
   if (book.crowded() > 0) {

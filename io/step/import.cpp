@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include <BRepBndLib.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <Bnd_Box.hxx>
 
 #include "io/step/collect.h"
@@ -48,6 +49,20 @@ void judge_size(const SourceModel& source, const std::string& where, PlainModel&
   }
 }
 
+/// What OpenCASCADE's own check finds wrong with the faces as read.
+void check_validity(const SourceModel& source, PlainModel& model) {
+  int faults = 0;
+  const SourceFace* first = nullptr;
+  for (const SourceFace& face : source.faces) {
+    if (BRepCheck_Analyzer(face.face).IsValid()) continue;
+    if (faults++ == 0) first = &face;
+  }
+  if (faults == 0) return;
+  model.head.warnings.push_back(std::to_string(faults) + " of " + std::to_string(source.faces.size()) +
+                                " faces fail OpenCASCADE's validity check (first: #" + std::to_string(first->step_id) +
+                                "): their boundaries may not be what was meant");
+}
+
 }  // namespace
 
 PlainModel import_part(const std::string& bytes, const StepText& text, const std::string& where, const StepReadOptions& options) {
@@ -62,6 +77,7 @@ PlainModel import_part(const std::string& bytes, const StepText& text, const std
     model.head.shells = source.shells;
     model.head.warnings = source.warnings;
     judge_size(source, where, model, options);
+    check_validity(source, model);
     convert_faces(source.faces, model);
     if (model.faces.empty()) throw Error(ErrorCode::bad_input, where, "has no face that can be used (" + model.head.warnings.back() + "); export it again");
     return model;

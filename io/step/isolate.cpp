@@ -200,11 +200,12 @@ std::string run_isolated(const std::string& where, const IsolationLimits& limits
     return Error(ErrorCode::resource_limit, where, message);
   };
   const std::string reduce = "; export only the faces to lay on, or raise the limit";
-  if (ending == Ending::stopped) throw limit_error("reading was interrupted");
+  if (ending == Ending::stopped) throw limit_error("reading was interrupted; start it again");
   if (ending == Ending::timeout) throw limit_error("the STEP importer did not finish within " + seconds(limits.timeout_s) + reduce);
   const int status = child.wait();
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
+    if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw limit_error("reading was interrupted; start it again");
     if (signal == SIGXCPU) throw limit_error("the STEP importer did not finish within " + seconds(limits.timeout_s) + " of CPU time" + reduce);
     const std::string reason = diagnose ? diagnose() : "";
     throw limit_error("the STEP importer died with signal " + std::to_string(signal) + " (" + signal_name(signal) + ")" +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <BRepTools_WireExplorer.hxx>
 #include <BRep_Tool.hxx>
@@ -66,7 +67,7 @@ RawCoedge connector(const Uv& a, const Uv& b, bool degenerate, double tolerance_
 /// Closes the chains of one face.
 class LoopCloser {
  public:
-  LoopCloser(Handle(Geom_Surface) surface, std::vector<std::string>& repairs) : surface_(std::move(surface)), repairs_(repairs) {
+  LoopCloser(Handle(Geom_Surface) surface, std::vector<Repair>& repairs) : surface_(std::move(surface)), repairs_(repairs) {
     if (surface_->IsUPeriodic()) period_.x() = surface_->UPeriod();
     if (surface_->IsVPeriodic()) period_.y() = surface_->VPeriod();
   }
@@ -114,7 +115,7 @@ class LoopCloser {
     const bool wide = gap > 1e-4 * extent;
     if (gap_mm <= slack_mm && wide) return connector(from, to, true, gap_mm);
     if (gap_mm > slack_mm) {
-      repairs_.push_back("a loop is open by " + std::to_string(gap_mm) + " mm and was closed");
+      repairs_.push_back({"a loop was open and is closed", gap_mm});
       if (wide) return connector(from, to, false, gap_mm);
     }
     meet(a, b);
@@ -130,7 +131,7 @@ class LoopCloser {
   }
 
   Handle(Geom_Surface) surface_;
-  std::vector<std::string>& repairs_;
+  std::vector<Repair>& repairs_;
   Uv period_ = Uv::Zero();
 };
 
@@ -155,7 +156,7 @@ void order_loops(RawLoops& raw) {
     reverse(raw.loops[i]);
     turned = true;
   }
-  if (turned) raw.repairs.push_back("loops ran the wrong way round and were turned");
+  if (turned) raw.repairs.push_back({"a loop ran the wrong way round and is turned", 0});
 }
 
 }  // namespace

@@ -23,10 +23,16 @@ struct RawCoedge {
 };
 using RawLoop = std::vector<RawCoedge>;
 
+/// Something that had to be mended, with its size in mm where it has one.
+struct Repair {
+  std::string what;
+  double mm = 0;
+};
+
 struct RawLoops {
   std::vector<RawLoop> loops;  ///< outer first; material on the left
   UvBox box;                   ///< of the poles of all pcurves
-  std::vector<std::string> repairs;
+  std::vector<Repair> repairs;
 };
 
 /// Collects the wires of `face` (natural bounds where it has none). Consecutive coedges meet
