@@ -1,10 +1,9 @@
 #include "cli/arguments.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <list>
-
-#include <CLI/CLI.hpp>
 
 #include "geometry/error.h"
 #include "io/nearest_name.h"
@@ -28,8 +27,10 @@ struct FlagSpec {
   const char* help;
 };
 constexpr FlagSpec output_flag{"-o,--output", "output.directory", "DIR", "result directory [<part>-afptraj]"};
-constexpr FlagSpec unit_flag{"--unit", "input.unit", "UNIT", "unit of the STEP file's numbers, whatever it declares: mm cm m in ft"};
-constexpr FlagSpec sew_flag{"--sew", "input.sew_tolerance", "MM", "join loose edges nearer than this; 0: none [1e-4 of the part]"};
+constexpr FlagSpec unit_flag{"--unit", "input.unit", "UNIT",
+                             "unit of the STEP file's numbers, whatever it declares: mm cm m in ft"};
+constexpr FlagSpec sew_flag{"--sew", "input.sew_tolerance", "MM",
+                            "join loose edges nearer than this; 0: none [1e-4 of the part]"};
 constexpr FlagSpec run_flags[] = {
     {"--face", "faces.list", "LIST", "faces to lay on, by number: 3,5-9"},
     {"--face-name", "faces.name", "NAME", "faces to lay on, by name"},
@@ -91,7 +92,8 @@ class Parser {
     }
     CLI::App* command = chosen();
     refuse_extras(app_, nullptr);
-    if (command == nullptr) wrong("command line", "names no command; use run, inspect or doctor (afptraj --help)");
+    if (command == nullptr)
+      wrong("command line", "names no command; use run, inspect or doctor (afptraj --help)");
     refuse_extras(*command, command);
     finish(command);
     return arguments_;
@@ -102,7 +104,8 @@ class Parser {
     run_ = app_.add_subcommand("run", "Plans courses on a surface from ply orientation points.");
     run_->footer(run_examples);
     run_->add_option("surface", arguments_.part, "STEP file: the part")->type_name("surface.step");
-    run_->add_option("plies", arguments_.plies, "CSV file: ply,x,y,z,dx,dy,dz[,start]")->type_name("plies.csv");
+    run_->add_option("plies", arguments_.plies, "CSV file: ply,x,y,z,dx,dy,dz[,start]")
+        ->type_name("plies.csv");
     add_job_flag(run_, output_flag);
     run_->add_option("--job", arguments_.job, "job file")->type_name("job.toml");
     for (const FlagSpec& flag : run_flags) add_job_flag(run_, flag);
@@ -124,7 +127,8 @@ class Parser {
     inspect_->add_flag("--json", arguments_.json, "for machines");
     add_job_flag(inspect_, unit_flag);
     add_job_flag(inspect_, sew_flag);
-    inspect_->add_option("--tangent-angle", tangent_angle_, "an edge is smooth below this angle [5]")->type_name("DEG");
+    inspect_->add_option("--tangent-angle", tangent_angle_, "an edge is smooth below this angle [5]")
+        ->type_name("DEG");
     inspect_->add_option("--timeout", timeout_, "stop after this time [never]")->type_name("S");
   }
 
@@ -167,14 +171,17 @@ class Parser {
     if (extra.size() > 1 && extra.front() == '-') {
       extra = extra.substr(0, extra.find('='));
       const std::string hint = did_you_mean(extra, flags_of(&app));
-      const std::string help = command == nullptr ? "afptraj --help" : "afptraj " + command->get_name() + " --help";
+      const std::string help =
+          command == nullptr ? "afptraj --help" : "afptraj " + command->get_name() + " --help";
       wrong(printable(extra), "unknown flag" + (hint.empty() ? "; see " + help : hint));
     }
     if (command == nullptr) {
       std::vector<std::string> names;
-      for (const CLI::App* known : app_.get_subcommands([](const CLI::App*) { return true; })) names.push_back(known->get_name());
+      for (const CLI::App* known : app_.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(known->get_name());
       const std::string hint = did_you_mean(extra, names);
-      wrong(printable(extra), "unknown command" + (hint.empty() ? "; use run, inspect or doctor (afptraj --help)" : hint));
+      wrong(printable(extra),
+            "unknown command" + (hint.empty() ? "; use run, inspect or doctor (afptraj --help)" : hint));
     }
     wrong(printable(extra), "is one argument too many; see afptraj " + command->get_name() + " --help");
   }
@@ -188,11 +195,15 @@ class Parser {
       message = message.substr(colon + 2);
     }
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&e) != nullptr) {
-      wrong(where, given_twice(message) ? "is given twice; give it once" : "needs a value; write " + where + " VALUE");
+      wrong(where, given_twice(message) ? "is given twice; give it once"
+                                        : "needs a value; write " + where + " VALUE");
     }
     wrong(where, printable(message, 200) + "; see afptraj --help");
   }
-  static bool given_twice(const std::string& message) { return message.find("at most") != std::string::npos || message.find("exactly 1") != std::string::npos || message.find("Expected 1") != std::string::npos; }
+  static bool given_twice(const std::string& message) {
+    return message.find("at most") != std::string::npos || message.find("exactly 1") != std::string::npos ||
+           message.find("Expected 1") != std::string::npos;
+  }
 
   void finish(const CLI::App* command) {
     if (command == doctor_) {
@@ -205,21 +216,25 @@ class Parser {
       wrong("afptraj " + command->get_name(), run ? "needs surface.step and plies.csv; see afptraj run --help"
                                                   : "needs a STEP file; see afptraj inspect --help");
     }
-    if (run && arguments_.plies.empty()) wrong("afptraj run", "needs plies.csv after the STEP file; see afptraj run --help");
+    if (run && arguments_.plies.empty())
+      wrong("afptraj run", "needs plies.csv after the STEP file; see afptraj run --help");
     if (arguments_.quiet && arguments_.verbose) wrong("-q", "contradicts -v; keep one");
     for (const auto& [option, slot] : given_) {
       if (option->count() > 0) arguments_.job_flags.push_back(*slot);
     }
-    if (!threads_.empty()) arguments_.threads = static_cast<int>(bounded("--threads", threads_, 1, greatest_threads, true));
+    if (!threads_.empty())
+      arguments_.threads = static_cast<int>(bounded("--threads", threads_, 1, greatest_threads, true));
     if (!timeout_.empty()) arguments_.timeout_s = bounded("--timeout", timeout_, 0.001, 1e6, false);
-    if (!run && !tangent_angle_.empty()) arguments_.tangent_angle_deg = bounded("--tangent-angle", tangent_angle_, 0, 180, false);
+    if (!run && !tangent_angle_.empty())
+      arguments_.tangent_angle_deg = bounded("--tangent-angle", tangent_angle_, 0, 180, false);
   }
 
   static double bounded(const std::string& flag, const std::string& text, double lo, double hi, bool whole) {
     const auto x = parse_number(text);
     const std::string range = number_text(lo) + " ... " + number_text(hi);
     if (!x || (whole && *x != std::floor(*x))) {
-      wrong(flag, "'" + printable(text) + "' is not a " + (whole ? "whole " : "") + "number; it must lie in " + range);
+      wrong(flag, "'" + printable(text) + "' is not a " + (whole ? "whole " : "") +
+                      "number; it must lie in " + range);
     }
     if (*x < lo || *x > hi) wrong(flag, printable(text) + " is out of range; it must lie in " + range);
     return *x;

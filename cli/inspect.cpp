@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
@@ -57,7 +56,8 @@ Inspection inspect_part(const Arguments& arguments) {
   for (std::size_t i = 0; i < part.faces.size(); ++i) {
     if (out.faces[i].group != 0) continue;
     ++out.groups;
-    for (const int member : grow_tangent(part, {static_cast<int>(i)}, arguments.tangent_angle_deg * pi / 180)) {
+    for (const int member :
+         grow_tangent(part, {static_cast<int>(i)}, arguments.tangent_angle_deg * pi / 180)) {
       out.faces[static_cast<std::size_t>(member)].group = out.groups;
     }
   }
@@ -68,7 +68,8 @@ Inspection inspect_part(const Arguments& arguments) {
 std::string degree_text(const Surface& surface) {
   const BSplineSurface* spline = surface.spline();
   if (spline == nullptr) return "";
-  return std::to_string(spline->degree_u) + "x" + std::to_string(spline->degree_v) + (spline->weights.empty() ? "" : " rat.");
+  return std::to_string(spline->degree_u) + "x" + std::to_string(spline->degree_v) +
+         (spline->weights.empty() ? "" : " rat.");
 }
 
 std::string poles_text(const Surface& surface) {
@@ -79,7 +80,8 @@ std::string poles_text(const Surface& surface) {
 std::string numbers_text(const std::vector<int>& faces) {
   constexpr std::size_t most = 8;
   std::string text;
-  for (std::size_t i = 0; i < std::min(most, faces.size()); ++i) text += (i == 0 ? "" : ",") + std::to_string(faces[i] + 1);
+  for (std::size_t i = 0; i < std::min(most, faces.size()); ++i)
+    text += (i == 0 ? "" : ",") + std::to_string(faces[i] + 1);
   if (faces.size() > most) text += ",+" + std::to_string(faces.size() - most);
   return text;
 }
@@ -89,50 +91,60 @@ std::string size_text(const Vec3& size) {
 }
 
 std::string vector_text(const Vec3& v) {
-  return "(" + short_number(std::abs(v.x()) < 1e-9 ? 0 : v.x()) + " " + short_number(std::abs(v.y()) < 1e-9 ? 0 : v.y()) + " " +
+  return "(" + short_number(std::abs(v.x()) < 1e-9 ? 0 : v.x()) + " " +
+         short_number(std::abs(v.y()) < 1e-9 ? 0 : v.y()) + " " +
          short_number(std::abs(v.z()) < 1e-9 ? 0 : v.z()) + ")";
 }
 
 std::string revolution_text(const Revolution& r) {
-  return "axis " + vector_text(r.direction) + " through " + vector_text(r.point) + ", radius " + short_number(r.radius_min_mm) +
-         " ... " + short_number(r.radius_max_mm) + " over " + short_number(r.profile.back().x() - r.profile.front().x()) +
+  return "axis " + vector_text(r.direction) + " through " + vector_text(r.point) + ", radius " +
+         short_number(r.radius_min_mm) + " ... " + short_number(r.radius_max_mm) + " over " +
+         short_number(r.profile.back().x() - r.profile.front().x()) +
          (r.deviation_mm > 0 ? ", to " + short_number(r.deviation_mm, 2) : "");
 }
 
 std::string human_text(const Arguments& arguments, const Inspection& inspection) {
   const StepModel& model = inspection.model;
   const std::string unit = model.declared_unit.empty() ? "no unit declared" : model.declared_unit;
-  std::string out = printable(arguments.part, 200) + ": " + std::to_string(inspection.faces.size()) + " faces in " +
-                    std::to_string(inspection.groups) + " smooth groups, " + std::to_string(model.solids) + " solids, " +
-                    std::to_string(model.shells) + " shells; " + size_text(inspection.box_max - inspection.box_min) +
-                    " mm; schema " + printable(model.schema) + ", " + printable(unit) + " (1 unit = " +
-                    short_number(model.unit_scale_to_mm, 7) + " mm)\n";
+  std::string out = printable(arguments.part, 200) + ": " + std::to_string(inspection.faces.size()) +
+                    " faces in " + std::to_string(inspection.groups) + " smooth groups, " +
+                    std::to_string(model.solids) + " solids, " + std::to_string(model.shells) + " shells; " +
+                    size_text(inspection.box_max - inspection.box_min) + " mm; schema " +
+                    printable(model.schema) + ", " + printable(unit) +
+                    " (1 unit = " + short_number(model.unit_scale_to_mm, 7) + " mm)\n";
   if (model.sewn_edges > 0) {
-    out += "sewn: " + std::to_string(model.sewn_edges) + " edges within " + short_number(model.sew_tolerance_mm) +
-           " mm, greatest gap " + short_number(model.greatest_sewn_gap_mm, 3) + " mm\n";
+    out += "sewn: " + std::to_string(model.sewn_edges) + " edges within " +
+           short_number(model.sew_tolerance_mm) + " mm, greatest gap " +
+           short_number(model.greatest_sewn_gap_mm, 3) + " mm\n";
   }
-  Table table({"face", "id", "name", "kind", "degree", "poles", "area mm2", "size mm", "min R mm", "holes", "group", "neighbours",
-               "revolution"},
+  Table table({"face", "id", "name", "kind", "degree", "poles", "area mm2", "size mm", "min R mm", "holes",
+               "group", "neighbours", "revolution"},
               {true, true, false, false, false, false, true, false, true, true, true, false, false});
   for (std::size_t i = 0; i < inspection.faces.size(); ++i) {
     const Face& face = model.part.faces[i];
     const InspectedFace& seen = inspection.faces[i];
-    table.add({std::to_string(i + 1), face.step_id > 0 ? "#" + std::to_string(face.step_id) : "", printable(face.name, 24),
-               to_string(face.surface.kind()), degree_text(face.surface), poles_text(face.surface),
-               short_number(seen.facts.area_mm2), size_text(seen.size()),
-               std::isinf(seen.facts.smallest_radius_mm) ? "flat" : short_number(seen.facts.smallest_radius_mm),
-               std::to_string(seen.facts.holes), std::to_string(seen.group), numbers_text(seen.facts.neighbours),
-               seen.revolution ? revolution_text(*seen.revolution) : ""});
+    table.add(
+        {std::to_string(i + 1), face.step_id > 0 ? "#" + std::to_string(face.step_id) : "",
+         printable(face.name, 24), to_string(face.surface.kind()), degree_text(face.surface),
+         poles_text(face.surface), short_number(seen.facts.area_mm2), size_text(seen.size()),
+         std::isinf(seen.facts.smallest_radius_mm) ? "flat" : short_number(seen.facts.smallest_radius_mm),
+         std::to_string(seen.facts.holes), std::to_string(seen.group), numbers_text(seen.facts.neighbours),
+         seen.revolution ? revolution_text(*seen.revolution) : ""});
   }
   return out + table.text();
 }
 
-Json vector_json(const Vec3& v) { return Json::array({rounded_number(v.x()), rounded_number(v.y()), rounded_number(v.z())}); }
+Json vector_json(const Vec3& v) {
+  return Json::array({rounded_number(v.x()), rounded_number(v.y()), rounded_number(v.z())});
+}
 
 Json face_json(const Face& face, const InspectedFace& seen, std::size_t index) {
   Json neighbours = Json::array();
   for (const int n : seen.facts.neighbours) neighbours.push_back(n + 1);
-  Json out = {{"face", index + 1}, {"step_id", face.step_id}, {"name", face.name}, {"instance", face.instance},
+  Json out = {{"face", index + 1},
+              {"step_id", face.step_id},
+              {"name", face.name},
+              {"instance", face.instance},
               {"kind", to_string(face.surface.kind())}};
   if (const BSplineSurface* spline = face.surface.spline()) {
     out["degree"] = {spline->degree_u, spline->degree_v};
@@ -142,8 +154,9 @@ Json face_json(const Face& face, const InspectedFace& seen, std::size_t index) {
   out["area_mm2"] = rounded_number(seen.facts.area_mm2, 3);
   out["box_min"] = vector_json(seen.facts.box_min);
   out["box_max"] = vector_json(seen.facts.box_max);
-  out["smallest_radius_mm"] =
-      std::isinf(seen.facts.smallest_radius_mm) ? Json() : Json(rounded_number(seen.facts.smallest_radius_mm, 6));
+  out["smallest_radius_mm"] = std::isinf(seen.facts.smallest_radius_mm)
+                                  ? Json()
+                                  : Json(rounded_number(seen.facts.smallest_radius_mm, 6));
   out["holes"] = seen.facts.holes;
   out["neighbours"] = neighbours;
   out["group"] = seen.group;

@@ -16,12 +16,18 @@ namespace {
 int dispatch(const Arguments& arguments) {
   if (arguments.timeout_s > 0) set_timeout(arguments.timeout_s);
   switch (arguments.command) {
-    case Arguments::Command::version: print(std::string("afptraj ") + version() + "\n"); return 0;
-    case Arguments::Command::run: return run(arguments);
-    case Arguments::Command::inspect: return inspect(arguments);
-    case Arguments::Command::doctor: return doctor(arguments);
+    case Arguments::Command::version:
+      print(std::string("afptraj ") + version() + "\n");
+      return 0;
+    case Arguments::Command::run:
+      return run(arguments);
+    case Arguments::Command::inspect:
+      return inspect(arguments);
+    case Arguments::Command::doctor:
+      return doctor(arguments);
     case Arguments::Command::help:
-    case Arguments::Command::none: break;
+    case Arguments::Command::none:
+      break;
   }
   print(arguments.help);
   return 0;
@@ -29,7 +35,8 @@ int dispatch(const Arguments& arguments) {
 
 int report_stop() {
   const int signal = stop_signal();
-  const char* message = signal == SIGALRM  ? "time is up (--timeout); nothing was written, give more time or a larger --step"
+  const char* message = signal == SIGALRM
+                            ? "time is up (--timeout); nothing was written, give more time or a larger --step"
                         : signal == SIGINT ? "interrupted; nothing was written"
                                            : "terminated; nothing was written";
   print_error("stopped", message);
@@ -48,10 +55,12 @@ int guarded(int count, const char* const* words) {
   } catch (const ReaderGone&) {
     return 0;
   } catch (const std::bad_alloc&) {
-    print_error("memory", "is used up; close other programs, raise the limit (ulimit -v) or use a larger --step");
+    print_error("memory",
+                "is used up; close other programs, raise the limit (ulimit -v) or use a larger --step");
     return static_cast<int>(ErrorCode::resource_limit);
   } catch (const std::exception& e) {
-    print_error("internal error", std::string(e.what()) + "; this is a bug in afptraj, please report it with the input files");
+    print_error("internal error",
+                std::string(e.what()) + "; this is a bug in afptraj, please report it with the input files");
     return static_cast<int>(ErrorCode::internal);
   }
 }

@@ -49,7 +49,7 @@ std::vector<int> faces_of_name(const Part& part, const std::string& name) {
     const std::string hint = did_you_mean(name, names);
     throw Error(ErrorCode::usage, "--face-name",
                 "no face is named '" + printable(name) + "'" +
-                    (!hint.empty() ? hint
+                    (!hint.empty()   ? hint
                      : names.empty() ? "; the file names no faces, choose by number with --face"
                                      : "; afptraj inspect lists the names"));
   }
@@ -94,7 +94,8 @@ ChosenFaces choose_faces(const std::shared_ptr<const Part>& part, const FaceChoi
   if (!choice.name.empty()) {
     return {faces_of_name(*part, choice.name), "by name '" + printable(choice.name) + "'"};
   }
-  const std::string smooth = " over edges smoother than " + short_number(choice.tangent_angle_rad * 180 / pi) + " deg";
+  const std::string smooth =
+      " over edges smoother than " + short_number(choice.tangent_angle_rad * 180 / pi) + " deg";
   if (!choice.tangent_from.empty()) {
     const std::vector<int> seeds = to_indices(*part, choice.tangent_from, "--tangent-from");
     return {grow_tangent(*part, seeds, choice.tangent_angle_rad), "grown from " + one_based(seeds) + smooth};
@@ -105,7 +106,8 @@ ChosenFaces choose_faces(const std::shared_ptr<const Part>& part, const FaceChoi
     for (const PlyPoint& point : ply.points) points.push_back(point.position);
   }
   const auto group = nearest_tangent_group(part, trim_regions(*part), points, choice.tangent_angle_rad);
-  if (group.empty()) throw Error(ErrorCode::bad_input, "part", "has no face near the ply points; choose faces with --face");
+  if (group.empty())
+    throw Error(ErrorCode::bad_input, "part", "has no face near the ply points; choose faces with --face");
   return {group, "tangent-connected group nearest to the ply points," + smooth};
 }
 

@@ -1,12 +1,11 @@
 #include <sys/resource.h>
+#include <tbb/global_control.h>
 
 #include <chrono>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
+#include <future>
 #include <thread>
-
-#include <tbb/global_control.h>
 
 #include "analysis/judge_ply.h"
 #include "cli/build_facts.h"
@@ -62,7 +61,8 @@ Job assemble_job(const Arguments& arguments) {
   Job job = arguments.job.empty() ? Job{} : read_job(arguments.job);
   bool chooses_faces = false;
   for (const JobFlag& flag : arguments.job_flags) {
-    chooses_faces = chooses_faces || flag.key == "faces.list" || flag.key == "faces.name" || flag.key == "faces.tangent_from";
+    chooses_faces = chooses_faces || flag.key == "faces.list" || flag.key == "faces.name" ||
+                    flag.key == "faces.tangent_from";
   }
   if (chooses_faces) {
     // a choice on the command line replaces that of the file, of whatever kind it is
@@ -82,17 +82,19 @@ std::string output_path(const Arguments& arguments, const Job& job) {
 
 std::vector<InputRecord> input_records(const Arguments& arguments, const StepModel& model) {
   constexpr std::size_t any_size = std::size_t{1} << 40;
-  std::vector<InputRecord> records{{"part", arguments.part, model.sha256},
-                                   {"plies", arguments.plies, sha256_hex(read_file(arguments.plies, any_size))}};
+  std::vector<InputRecord> records{
+      {"part", arguments.part, model.sha256},
+      {"plies", arguments.plies, sha256_hex(read_file(arguments.plies, any_size))}};
   if (!arguments.job.empty()) {
-    records.push_back({"job", arguments.job, sha256_hex(read_file(arguments.job, any_size, ErrorCode::usage))});
+    records.push_back(
+        {"job", arguments.job, sha256_hex(read_file(arguments.job, any_size, ErrorCode::usage))});
   }
   return records;
 }
 
 // Plans all plies; a stop asked for, seen by the planner, becomes Stopped.
-std::vector<Ply> plan_plies(const Skin& skin, const std::vector<PlyOrientation>& orientations, const Arguments& arguments,
-                            const Job& job) {
+std::vector<Ply> plan_plies(const Skin& skin, const std::vector<PlyOrientation>& orientations,
+                            const Arguments& arguments, const Job& job) {
   ProgressBar bar(!arguments.quiet && !arguments.json);
   std::vector<Ply> plies;
   for (std::size_t i = 0; i < orientations.size(); ++i) {
@@ -143,14 +145,19 @@ int run(const Arguments& arguments) {
   watch.done("read plies");
 
   const StepModel model = read_part(arguments.part, record.job);
-  for (const std::string& warning : model.warnings) record.warnings.push_back(arguments.part + ": " + warning);
-  for (const std::string& warning : plies_file.warnings) record.warnings.push_back(arguments.plies + ": " + warning);
+  for (const std::string& warning : model.warnings)
+    record.warnings.push_back(arguments.part + ": " + warning);
+  for (const std::string& warning : plies_file.warnings)
+    record.warnings.push_back(arguments.plies + ": " + warning);
   record.inputs = input_records(arguments, model);
   watch.done("read part");
 
   // Threads start here: the importer forks before.
-  record.threads = arguments.threads > 0 ? arguments.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(record.threads));
+  record.threads = arguments.threads > 0
+                       ? arguments.threads
+                       : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(record.threads));
   const auto part = std::make_shared<const Part>(model.part);
   const ChosenFaces chosen = choose_faces(part, record.job.faces, plies_file.plies);
   record.faces_reason = chosen.reason;
@@ -169,11 +176,11 @@ int run(const Arguments& arguments) {
   check_stop();
   watch.done("fit paths");
   OutputDirectory output(target, arguments.force, inputs);
-  output.write("paths.csv", paths_csv(plies));
-  watch.done("write paths.csv");
+  auto csv = std::async(std::launch::async, [&] { output.write("paths.csv", paths_csv(plies)); });
   write_paths_step(output, wires);
+  csv.get();
   check_stop();
-  watch.done("write paths.step");
+  watch.done("write paths");
   record.times = watch.times();
   record.times.push_back({"total", watch.total()});
   rusage usage{};
@@ -192,7 +199,8 @@ int run(const Arguments& arguments) {
       if (!arguments.quiet) print_warning("ply " + plies[i].name, warning);
     }
   }
-  text += "wrote " + target + "/{paths.csv,paths.step,summary.json} in " + short_number(watch.total(), 3) + " s\n";
+  text += "wrote " + target + "/{paths.csv,paths.step,summary.json} in " + short_number(watch.total(), 3) +
+          " s\n";
   if (arguments.json) {
     print(summary);
   } else if (!arguments.quiet) {

@@ -52,31 +52,37 @@ std::vector<std::string> limit_violations(const Ply& ply, const Job& job) {
 std::string ply_table(const Ply& ply, const Job& job, const std::vector<std::string>& violations) {
   const PlyReport& r = ply.report;
   std::string out = "ply " + printable(ply.name) + ": " + std::to_string(ply.courses.size()) + " courses (" +
-                    std::to_string(r.courses_left) + " left, " + std::to_string(r.courses_right) + " right) in " +
-                    std::to_string(segment_count(ply)) + " segments, " + metres(r.total_length_mm) + "\n";
-  out += line("reference", metres(r.reference_length_mm) + ", fitted to " + short_number(r.fit_rms_mm, 2) + " mm rms, " +
-                               short_number(r.fit_max_mm, 2) + " mm at most");
-  out += line("bands needed", "N1 = " + std::to_string(r.N1) + " left (L1 = " + short_number(r.L1_mm, 5) + " mm), N2 = " +
-                                  std::to_string(r.N2) + " right (L2 = " + short_number(r.L2_mm, 5) + " mm)" +
+                    std::to_string(r.courses_left) + " left, " + std::to_string(r.courses_right) +
+                    " right) in " + std::to_string(segment_count(ply)) + " segments, " +
+                    metres(r.total_length_mm) + "\n";
+  out += line("reference", metres(r.reference_length_mm) + ", fitted to " + short_number(r.fit_rms_mm, 2) +
+                               " mm rms, " + short_number(r.fit_max_mm, 2) + " mm at most");
+  out += line("bands needed", "N1 = " + std::to_string(r.N1) + " left (L1 = " + short_number(r.L1_mm, 5) +
+                                  " mm), N2 = " + std::to_string(r.N2) +
+                                  " right (L2 = " + short_number(r.L2_mm, 5) + " mm)" +
                                   (r.courses_reason.empty() ? "" : "; " + printable(r.courses_reason, 300)));
-  out += line("coverage", percent(r.covered_share) + " of " + short_number(r.skin_area_mm2 / 1e6, 4) + " m2 within " +
-                              short_number(r.band_width_mm / 2) + " mm of a centre line; " + percent(r.reached_share) +
+  out += line("coverage", percent(r.covered_share) + " of " + short_number(r.skin_area_mm2 / 1e6, 4) +
+                              " m2 within " + short_number(r.band_width_mm / 2) + " mm of a centre line; " +
+                              percent(r.reached_share) +
                               " with the bands at the boundary whose centre line runs off the skin");
   constexpr std::size_t most_spots = 3;
   for (std::size_t i = 0; i < std::min(most_spots, r.uncovered.size()); ++i) {
     const UncoveredSpot& spot = r.uncovered[i];
-    out += line("", short_number(spot.area_mm2, 3) + " mm2 up to " + short_number(spot.distance_mm, 4) + " mm away at " +
-                        place(spot.where) + ": " + printable(spot.reason, 200));
+    out += line("", short_number(spot.area_mm2, 3) + " mm2 up to " + short_number(spot.distance_mm, 4) +
+                        " mm away at " + place(spot.where) + ": " + printable(spot.reason, 200));
   }
   if (r.uncovered.size() > most_spots) {
     out += line("", "and " + std::to_string(r.uncovered.size() - most_spots) + " more, see summary.json");
   }
-  out += line("spacing", "error at most " + short_number(r.spacing_error_mm, 2) + " mm of " + short_number(r.band_width_mm) + " mm");
+  out += line("spacing", "error at most " + short_number(r.spacing_error_mm, 2) + " mm of " +
+                             short_number(r.band_width_mm) + " mm");
   constexpr double straight_mm = 1e9;
-  out += line("steering", (r.min_steering_radius_mm < straight_mm ? "radius at least " + short_number(r.min_steering_radius_mm, 4) + " mm"
-                                                                   : std::string("none")) +
+  out += line("steering", (r.min_steering_radius_mm < straight_mm
+                               ? "radius at least " + short_number(r.min_steering_radius_mm, 4) + " mm"
+                               : std::string("none")) +
                               " (limit " + short_number(job.plan.min_steering_radius_mm) + " mm)");
-  out += line("deviation", "at most " + degrees(r.max_deviation_rad) + " deg (limit " + degrees(job.plan.angle_limit_rad) + " deg)");
+  out += line("deviation", "at most " + degrees(r.max_deviation_rad) + " deg (limit " +
+                               degrees(job.plan.angle_limit_rad) + " deg)");
   for (const std::string& violation : violations) out += line("VIOLATED", printable(violation, 300));
   return out;
 }

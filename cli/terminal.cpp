@@ -36,8 +36,8 @@ void print_line(const std::string& text) {
 
 // Letters, not bytes, of UTF-8 text.
 std::size_t width(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 }  // namespace
@@ -46,11 +46,14 @@ void print(const std::string& text) {
   const int problem = write_all(STDOUT_FILENO, text);
   if (problem == EPIPE) throw ReaderGone{};
   if (problem != 0) {
-    throw Error(ErrorCode::cannot_write, "stdout", std::string(std::strerror(problem)) + "; send the output elsewhere");
+    throw Error(ErrorCode::cannot_write, "stdout",
+                std::string(std::strerror(problem)) + "; send the output elsewhere");
   }
 }
 
-void print_error(const std::string& where, const std::string& message) { print_line("afptraj: " + where + ": " + message); }
+void print_error(const std::string& where, const std::string& message) {
+  print_line("afptraj: " + where + ": " + message);
+}
 
 void print_warning(const std::string& where, const std::string& message) {
   print_line("afptraj: warning: " + where + ": " + message);
@@ -60,7 +63,8 @@ void print_note(const std::string& message) { print_line(message); }
 
 ProgressBar::ProgressBar(bool wanted) {
   const char* terminal = std::getenv("TERM");
-  active_ = wanted && ::isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::strcmp(terminal, "dumb") != 0;
+  active_ =
+      wanted && ::isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::strcmp(terminal, "dumb") != 0;
   const char* no_colour = std::getenv("NO_COLOR");
   colour_ = no_colour == nullptr || *no_colour == '\0';
 }
@@ -77,14 +81,16 @@ void ProgressBar::show(const std::string& stage, double done) {
   last_stage_ = stage;
   constexpr int cells = 30;
   const int full = percent * cells / 100;
-  std::string bar = std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(cells - full), '.');
+  std::string bar = std::string(static_cast<std::size_t>(full), '#') +
+                    std::string(static_cast<std::size_t>(cells - full), '.');
   if (colour_) bar = "\x1b[36m" + bar + "\x1b[0m";
-  static_cast<void>(
-      write_all(STDERR_FILENO, "\r[" + bar + "] " + std::to_string(percent) + " % " + printable(stage, 40) + "\x1b[K"));
+  static_cast<void>(write_all(
+      STDERR_FILENO, "\r[" + bar + "] " + std::to_string(percent) + " % " + printable(stage, 40) + "\x1b[K"));
   shown_ = true;
 }
 
-Table::Table(std::vector<std::string> header, std::vector<bool> right) : rows_{std::move(header)}, right_(std::move(right)) {}
+Table::Table(std::vector<std::string> header, std::vector<bool> right)
+    : rows_{std::move(header)}, right_(std::move(right)) {}
 
 void Table::add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
 

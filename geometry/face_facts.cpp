@@ -23,7 +23,8 @@ double signed_area(const Loop& loop) {
     Uv before = coedge.pcurve.point(coedge.pcurve.first());
     for (int i = 1; i <= curve_samples; ++i) {
       const double x = static_cast<double>(i) / curve_samples;
-      const Uv at = coedge.pcurve.point(coedge.pcurve.first() + x * (coedge.pcurve.last() - coedge.pcurve.first()));
+      const Uv at =
+          coedge.pcurve.point(coedge.pcurve.first() + x * (coedge.pcurve.last() - coedge.pcurve.first()));
       area += sign * (before.x() * at.y() - before.y() * at.x());
       before = at;
     }

@@ -454,7 +454,12 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
     if (state.outside) {
       state.outside_mm += taken;
       wrap_outside(state, span);
-      if (!may_stay_outside(state, span)) return TraceEnd::left;
+      // A step may end on the loop exactly (where it is a knot line too): that is back inside.
+      if (skin_->trim(state.at.face).contains(state.at.uv)) {
+        state.outside = state.in_hole = false;
+        state.outside_mm = 0;
+      }
+      if (state.outside && !may_stay_outside(state, span)) return TraceEnd::left;
     }
     if (!cross_knot(state, span)) return TraceEnd::singular;
     idle = taken < 1e-9 && remaining > 1e-9 ? idle + 1 : 0;

@@ -1,11 +1,10 @@
 #include "geometry/revolution.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include "geometry/closest_point.h"
 #include "geometry/curvature.h"
@@ -38,7 +37,9 @@ struct Axis {
 };
 
 // The place of the axis nearest to `p`.
-Vec3 foot_on(const Axis& axis, const Vec3& p) { return axis.point + axis.direction * axis.direction.dot(p - axis.point); }
+Vec3 foot_on(const Axis& axis, const Vec3& p) {
+  return axis.point + axis.direction * axis.direction.dot(p - axis.point);
+}
 
 Vec3 upright(const Vec3& direction) {
   Eigen::Index greatest = 0;
@@ -64,7 +65,8 @@ std::optional<Axis> fit_axis(const std::vector<Sample>& samples, const Vec3& cen
   if (count == 0) return std::nullopt;
   const Eigen::Matrix<double, 6, Eigen::Dynamic> motions = solver.eigenvectors().leftCols(count);
   // among them the one that turns most, as against shifting
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> turn(motions.topRows(3).transpose() * motions.topRows(3));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> turn(motions.topRows(3).transpose() *
+                                                            motions.topRows(3));
   const Vec6 motion = motions * turn.eigenvectors().col(count - 1);
   const Vec3 a = motion.head<3>();
   if (a.norm() < 1e-3) return std::nullopt;  // a shift only: an extrusion, or a plane
@@ -87,9 +89,10 @@ double greatest_distance_when_turned(const Surface& surface, const TrimRegion& t
       const Vec3 other = azimuth_frame(samples[j].p);
       if (other.norm() < 1e-9) continue;
       const Vec3 turned = foot_on(axis, samples[i].p) + other.normalized() * arm.norm();
-      const auto near = std::min_element(samples.begin(), samples.end(), [&](const Sample& a, const Sample& b) {
-        return (a.p - turned).squaredNorm() < (b.p - turned).squaredNorm();
-      });
+      const auto near =
+          std::min_element(samples.begin(), samples.end(), [&](const Sample& a, const Sample& b) {
+            return (a.p - turned).squaredNorm() < (b.p - turned).squaredNorm();
+          });
       if ((near->p - turned).norm() > 2 * spacing) continue;  // the face does not reach there
       const auto foot = foot_point(surface, turned, near->uv);
       if (!foot || !trim.contains(*foot)) continue;
@@ -100,7 +103,8 @@ double greatest_distance_when_turned(const Surface& surface, const TrimRegion& t
   return measured < 20 ? std::numeric_limits<double>::infinity() : greatest;
 }
 
-Revolution describe(const Axis& axis, const std::vector<Sample>& samples, const Vec3& centre, double deviation) {
+Revolution describe(const Axis& axis, const std::vector<Sample>& samples, const Vec3& centre,
+                    double deviation) {
   Revolution out;
   out.point = foot_on(axis, centre);
   out.direction = axis.direction;
@@ -109,9 +113,8 @@ Revolution describe(const Axis& axis, const std::vector<Sample>& samples, const 
   for (const Sample& s : samples) {
     profile.emplace_back(axis.direction.dot(s.p - out.point), (s.p - foot_on(axis, s.p)).norm());
   }
-  std::sort(profile.begin(), profile.end(), [](const auto& a, const auto& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  });
+  std::sort(profile.begin(), profile.end(),
+            [](const auto& a, const auto& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
   out.radius_min_mm = std::numeric_limits<double>::infinity();
   for (const auto& point : profile) {
     out.radius_min_mm = std::min(out.radius_min_mm, point.y());
@@ -126,7 +129,8 @@ Revolution describe(const Axis& axis, const std::vector<Sample>& samples, const 
 
 }  // namespace
 
-std::optional<Revolution> find_revolution(const Part& part, int face, const TrimRegion& trim, double tolerance_mm) {
+std::optional<Revolution> find_revolution(const Part& part, int face, const TrimRegion& trim,
+                                          double tolerance_mm) {
   const Surface& surface = part.faces[static_cast<std::size_t>(face)].surface;
   if (surface.kind() == SurfaceKind::plane) return std::nullopt;
   const std::vector<Sample> samples = sample_face(part, face, trim);

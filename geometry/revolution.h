@@ -10,11 +10,12 @@ namespace afptraj {
 
 /// A face as a surface of revolution.
 struct Revolution {
-  Vec3 point = Vec3::Zero();      ///< of the axis, nearest to the middle of the face
-  Vec3 direction = Vec3::UnitZ(); ///< of the axis, unit; its greatest component is positive
-  double deviation_mm = 0;        ///< greatest distance found between the face and its turned copies
+  Vec3 point = Vec3::Zero();       ///< of the axis, nearest to the middle of the face
+  Vec3 direction = Vec3::UnitZ();  ///< of the axis, unit; its greatest component is positive
+  double deviation_mm = 0;         ///< greatest distance found between the face and its turned copies
   double radius_min_mm = 0, radius_max_mm = 0;
-  /// (place along the axis from `point`, radius) over the face, sorted by the first: at most `profile_points`.
+  /// (place along the axis from `point`, radius) over the face, sorted by the first: at most
+  /// `profile_points`.
   std::vector<Eigen::Vector2d> profile;
   static constexpr std::size_t profile_points = 9;
 };
@@ -25,6 +26,7 @@ struct Revolution {
 /// then judged by turning samples about it and measuring their distance to the surface.
 /// Source: Pottmann & Randrup, "Rotational and helical surface approximation for reverse
 /// engineering", Computing 60 (1998).
-std::optional<Revolution> find_revolution(const Part& part, int face, const TrimRegion& trim, double tolerance_mm);
+std::optional<Revolution> find_revolution(const Part& part, int face, const TrimRegion& trim,
+                                          double tolerance_mm);
 
 }  // namespace afptraj

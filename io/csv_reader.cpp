@@ -57,7 +57,8 @@ class Records {
 
   // Reads one field; true when a further one follows in the record.
   bool field(std::vector<std::string>& fields) {
-    fields.push_back(at_ < text_.size() && text_[at_] == '"' ? quoted(fields.size() + 1) : plain(fields.size() + 1));
+    fields.push_back(at_ < text_.size() && text_[at_] == '"' ? quoted(fields.size() + 1)
+                                                             : plain(fields.size() + 1));
     if (at_line_end()) {
       pass_line_end();
       return false;
@@ -70,7 +71,9 @@ class Records {
     const std::size_t from = at_;
     while (!at_line_end() && text_[at_] != ',') {
       if (text_[at_] == '"') {
-        bad(path_, line_, "field " + std::to_string(number) + " has a quote inside; put the whole field in quotes and double the inner one");
+        bad(path_, line_,
+            "field " + std::to_string(number) +
+                " has a quote inside; put the whole field in quotes and double the inner one");
       }
       ++at_;
     }
@@ -81,7 +84,9 @@ class Records {
     const int opened = line_;
     std::string value;
     for (++at_;;) {
-      if (at_ == text_.size()) bad(path_, opened, "field " + std::to_string(number) + " opens a quote that is never closed; close it");
+      if (at_ == text_.size())
+        bad(path_, opened,
+            "field " + std::to_string(number) + " opens a quote that is never closed; close it");
       const char c = text_[at_];
       if (c == '"') {
         ++at_;
@@ -97,7 +102,9 @@ class Records {
       }
     }
     if (!at_line_end() && text_[at_] != ',') {
-      bad(path_, line_, "field " + std::to_string(number) + " goes on after its closing quote; double a quote inside a quoted field");
+      bad(path_, line_,
+          "field " + std::to_string(number) +
+              " goes on after its closing quote; double a quote inside a quoted field");
     }
     return value;
   }
@@ -125,10 +132,12 @@ std::string joined(const std::vector<std::string>& names) {
 // A header in one field betrays another separator.
 void refuse_other_separator(const std::string& path, const CsvRow& header) {
   if (header.fields.size() != 1) return;
-  for (const auto& [separator, name] : {std::pair{';', "semicolons"}, std::pair{'\t', "tabs"}, std::pair{'|', "bars"}}) {
+  for (const auto& [separator, name] :
+       {std::pair{';', "semicolons"}, std::pair{'\t', "tabs"}, std::pair{'|', "bars"}}) {
     if (header.fields[0].find(separator) != std::string::npos) {
-      bad(path, header.line, std::string("columns are separated by ") + name +
-                                 "; save the table with commas, and with decimal points in numbers");
+      bad(path, header.line,
+          std::string("columns are separated by ") + name +
+              "; save the table with commas, and with decimal points in numbers");
     }
   }
 }
@@ -175,7 +184,8 @@ void require_width(const std::string& path, const CsvRow& row, std::size_t width
   if (row.fields.size() == width) return;
   const bool longer = row.fields.size() > width;
   bad(path, row.line,
-      "the row has " + std::to_string(row.fields.size()) + " fields, the header " + std::to_string(width) + "; " +
+      "the row has " + std::to_string(row.fields.size()) + " fields, the header " + std::to_string(width) +
+          "; " +
           (longer ? "remove the surplus (a decimal comma also splits a field: write 12.5, not 12,5)"
                   : "add the missing ones"));
 }
@@ -187,7 +197,8 @@ CsvTable read_csv_table(const std::string& path, const CsvColumns& columns, std:
   Records records(path, text);
   CsvRow header;
   if (!records.next(header)) {
-    throw Error(ErrorCode::bad_input, path, "is empty; the first line must name the columns " + joined(columns.required));
+    throw Error(ErrorCode::bad_input, path,
+                "is empty; the first line must name the columns " + joined(columns.required));
   }
   refuse_other_separator(path, header);
 
@@ -206,7 +217,8 @@ CsvTable read_csv_table(const std::string& path, const CsvColumns& columns, std:
     }
     table.rows.push_back(std::move(ordered));
   }
-  if (table.rows.empty()) throw Error(ErrorCode::bad_input, path, "has a header but no rows; add at least one");
+  if (table.rows.empty())
+    throw Error(ErrorCode::bad_input, path, "has a header but no rows; add at least one");
   return table;
 }
 

@@ -6,9 +6,8 @@
 #include <limits>
 #include <set>
 #include <sstream>
-#include <variant>
-
 #include <toml.hpp>
+#include <variant>
 
 #include "geometry/error.h"
 #include "io/nearest_name.h"
@@ -90,7 +89,8 @@ const std::vector<Key>& keys() {
        NumberValue{0, 180, degree, [](Job& j) -> double& { return j.faces.tangent_angle_rad; }}},
       {"input", "unit", "", "length unit of the STEP file, whatever it declares",
        TextValue{{"mm", "cm", "m", "in", "ft"}, [](Job& j) -> std::string& { return j.unit; }}},
-      {"input", "sew_tolerance", "mm", "loose edges nearer than this are joined; 0: none; left out: 1e-4 of the part",
+      {"input", "sew_tolerance", "mm",
+       "loose edges nearer than this are joined; 0: none; left out: 1e-4 of the part",
        NumberValue{0, 10, 1, [](Job& j) -> double& { return j.sew_tolerance_mm; }}},
       {"output", "directory", "", "where the result goes",
        TextValue{{}, [](Job& j) -> std::string& { return j.output_directory; }}},
@@ -118,8 +118,12 @@ std::string quoted_list(const std::vector<std::string>& words) {
 
 struct RangeText {
   std::string operator()(const NumberValue& v) const { return limit_text(v.lo) + " ... " + limit_text(v.hi); }
-  std::string operator()(const IntegerValue& v) const { return std::to_string(v.lo) + " ... " + std::to_string(v.hi); }
-  std::string operator()(const TextValue& v) const { return v.allowed.empty() ? "text" : quoted_list(v.allowed); }
+  std::string operator()(const IntegerValue& v) const {
+    return std::to_string(v.lo) + " ... " + std::to_string(v.hi);
+  }
+  std::string operator()(const TextValue& v) const {
+    return v.allowed.empty() ? "text" : quoted_list(v.allowed);
+  }
   std::string operator()(const FacesValue&) const { return "face numbers"; }
 };
 
@@ -130,22 +134,28 @@ std::string with_unit(const Key& key) {
 
 void set_number(Job& job, const Key& key, const NumberValue& value, double x, const std::string& where) {
   if (!(x >= value.lo && x <= value.hi)) {
-    wrong(where, key.full_name() + " = " + limit_text(x) + " is out of range; it must lie in " + with_unit(key));
+    wrong(where,
+          key.full_name() + " = " + limit_text(x) + " is out of range; it must lie in " + with_unit(key));
   }
   value.member(job) = x * value.unit;
 }
 
-void set_integer(Job& job, const Key& key, const IntegerValue& value, std::int64_t x, const std::string& where) {
+void set_integer(Job& job, const Key& key, const IntegerValue& value, std::int64_t x,
+                 const std::string& where) {
   if (x < value.lo || x > value.hi) {
-    wrong(where, key.full_name() + " = " + std::to_string(x) + " is out of range; it must lie in " + with_unit(key));
+    wrong(where,
+          key.full_name() + " = " + std::to_string(x) + " is out of range; it must lie in " + with_unit(key));
   }
   value.member(job) = static_cast<int>(x);
 }
 
-void set_text(Job& job, const Key& key, const TextValue& value, const std::string& text, const std::string& where) {
+void set_text(Job& job, const Key& key, const TextValue& value, const std::string& text,
+              const std::string& where) {
   if (text.empty()) wrong(where, key.full_name() + " is empty; give a value or leave it out");
-  if (!value.allowed.empty() && std::find(value.allowed.begin(), value.allowed.end(), text) == value.allowed.end()) {
-    wrong(where, key.full_name() + " = '" + printable(text) + "' is not known; it is one of " + quoted_list(value.allowed));
+  if (!value.allowed.empty() &&
+      std::find(value.allowed.begin(), value.allowed.end(), text) == value.allowed.end()) {
+    wrong(where, key.full_name() + " = '" + printable(text) + "' is not known; it is one of " +
+                     quoted_list(value.allowed));
   }
   value.member(job) = text;
 }
@@ -198,7 +208,8 @@ struct FromToml {
   int face_number(const toml::value& item) const {
     if (!item.is_integer()) wrong_type("face numbers like \"3,5-9\" or [3, 5]");
     const std::int64_t n = item.as_integer();
-    if (n < 1 || n > greatest_face) wrong(where, key.full_name() + ": faces are numbered from 1; see 'afptraj inspect'");
+    if (n < 1 || n > greatest_face)
+      wrong(where, key.full_name() + ": faces are numbered from 1; see 'afptraj inspect'");
     return static_cast<int>(n);
   }
 };
@@ -218,7 +229,8 @@ struct FromText {
   void operator()(const NumberValue& v) const { set_number(job, key, v, number(), where); }
   void operator()(const IntegerValue& v) const {
     const double x = number();
-    if (x != std::floor(x)) wrong(where, "'" + printable(text) + "' is not a whole number; it must lie in " + with_unit(key));
+    if (x != std::floor(x))
+      wrong(where, "'" + printable(text) + "' is not a whole number; it must lie in " + with_unit(key));
     if (std::abs(x) > 1e9) set_number(job, key, {double(v.lo), double(v.hi), 1, nullptr}, x, where);
     set_integer(job, key, v, static_cast<std::int64_t>(x), where);
   }
@@ -247,7 +259,8 @@ void refuse_deep_nesting(const std::string& path, const std::string& text) {
     if (c == '\n') ++line;
     if (c == '[' || c == '{') ++depth;
     if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (depth > 32) wrong(file_line(path, line), "brackets are nested more than 32 deep; a job file needs two");
+    if (depth > 32)
+      wrong(file_line(path, line), "brackets are nested more than 32 deep; a job file needs two");
   }
 }
 
@@ -266,7 +279,8 @@ std::string key_place(const std::string& path, const std::string& name, const to
 std::string syntax_message(const std::string& what) {
   std::string line = what.substr(0, what.find('\n'));
   if (line.rfind("[error] ", 0) == 0) line.erase(0, 8);
-  if (line.rfind("toml::", 0) == 0 && line.find(": ") != std::string::npos) line.erase(0, line.find(": ") + 2);
+  if (line.rfind("toml::", 0) == 0 && line.find(": ") != std::string::npos)
+    line.erase(0, line.find(": ") + 2);
   return line;
 }
 
@@ -275,7 +289,8 @@ toml::value parse_toml(const std::string& path, const std::string& text) {
   try {
     return toml::parse(stream, path);
   } catch (const toml::exception& e) {
-    wrong(place(path, e.location()), "is not valid TOML: " + printable(syntax_message(e.what()), 160) + "; correct the line");
+    wrong(place(path, e.location()),
+          "is not valid TOML: " + printable(syntax_message(e.what()), 160) + "; correct the line");
   } catch (const std::exception& e) {
     wrong(path, "is not valid TOML: " + printable(syntax_message(e.what()), 160) + "; correct the file");
   }
@@ -317,12 +332,13 @@ std::string unknown_key(const std::string& table, const std::string& name) {
 std::string unknown_table(const std::string& name, bool is_table) {
   if (!is_table) {
     for (const Key& key : keys()) {
-      if (key.name == name) return "unknown key '" + name + "' outside of a table; it belongs into [" + key.table + "]";
+      if (key.name == name)
+        return "unknown key '" + name + "' outside of a table; it belongs into [" + key.table + "]";
     }
   }
   const std::string hint = did_you_mean(name, table_names());
-  return std::string("unknown ") + (is_table ? "table [" : "key '") + printable(name) + (is_table ? "]" : "'") +
-         (hint.empty() ? "; the tables are " + quoted_list(table_names()) : hint);
+  return std::string("unknown ") + (is_table ? "table [" : "key '") + printable(name) +
+         (is_table ? "]" : "'") + (hint.empty() ? "; the tables are " + quoted_list(table_names()) : hint);
 }
 
 // TOML tables are unordered; the entry that stands first in the file is judged first.
@@ -330,7 +346,8 @@ std::vector<std::pair<std::string, toml::value>> in_file_order(const toml::table
   std::vector<std::pair<std::string, toml::value>> entries(table.begin(), table.end());
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
     const auto la = a.second.location(), lb = b.second.location();
-    return std::make_tuple(la.line(), la.column(), a.first) < std::make_tuple(lb.line(), lb.column(), b.first);
+    return std::make_tuple(la.line(), la.column(), a.first) <
+           std::make_tuple(lb.line(), lb.column(), b.first);
   });
   return entries;
 }
@@ -348,7 +365,8 @@ Job read_job(const std::string& path) {
       wrong(key_place(path, table, content.location()), unknown_table(table, content.is_table()));
     }
     if (!content.is_table()) {
-      wrong(place(path, content.location()), "'" + table + "' must be a table; write [" + table + "] on a line of its own");
+      wrong(place(path, content.location()),
+            "'" + table + "' must be a table; write [" + table + "] on a line of its own");
     }
     for (const auto& [name, value] : in_file_order(content.as_table())) {
       const Key* key = find_key(table, name);
@@ -363,19 +381,24 @@ Job read_job(const std::string& path) {
 void set_job_key(Job& job, const std::string& key, const std::string& text, const std::string& where) {
   const std::size_t dot = key.find('.');
   const Key* found = dot == std::string::npos ? nullptr : find_key(key.substr(0, dot), key.substr(dot + 1));
-  if (found == nullptr) throw Error(ErrorCode::internal, where, "job key '" + key + "' does not exist; please report this");
+  if (found == nullptr)
+    throw Error(ErrorCode::internal, where, "job key '" + key + "' does not exist; please report this");
   std::visit(FromText{job, *found, text, where}, found->value);
 }
 
 void check_job(const Job& job, const std::string& where) {
   if (job.plan.min_steering_radius_mm < job.plan.tow_width_mm) {
-    wrong(where, "min_steering_radius " + limit_text(job.plan.min_steering_radius_mm) + " mm is smaller than tow_width " +
-                     limit_text(job.plan.tow_width_mm) + " mm; no tow can turn inside its own width");
+    wrong(where, "min_steering_radius " + limit_text(job.plan.min_steering_radius_mm) +
+                     " mm is smaller than tow_width " + limit_text(job.plan.tow_width_mm) +
+                     " mm; no tow can turn inside its own width");
   }
-  const int choices = static_cast<int>(!job.faces.numbers.empty()) + static_cast<int>(!job.faces.name.empty()) +
+  const int choices = static_cast<int>(!job.faces.numbers.empty()) +
+                      static_cast<int>(!job.faces.name.empty()) +
                       static_cast<int>(!job.faces.tangent_from.empty());
   if (choices > 1) {
-    wrong(where, "faces are chosen in more than one way; keep one of list (--face), name (--face-name), tangent_from (--tangent-from)");
+    wrong(where,
+          "faces are chosen in more than one way; keep one of list (--face), name (--face-name), "
+          "tangent_from (--tangent-from)");
   }
 }
 
@@ -397,8 +420,11 @@ std::vector<int> parse_face_list(const std::string& text, const std::string& whe
     const std::size_t dash = part.find('-');
     const int first = number(part.substr(0, dash));
     const int last = dash == std::string::npos ? first : number(part.substr(dash + 1));
-    if (last < first) wrong(where, "'" + printable(part) + "' runs backward; write " + std::to_string(last) + "-" + std::to_string(first));
-    if (last - first > 1000000) wrong(where, "'" + printable(part) + "' names more than a million faces; name those to lay on");
+    if (last < first)
+      wrong(where, "'" + printable(part) + "' runs backward; write " + std::to_string(last) + "-" +
+                       std::to_string(first));
+    if (last - first > 1000000)
+      wrong(where, "'" + printable(part) + "' names more than a million faces; name those to lay on");
     for (int n = first; n <= last; ++n) numbers.insert(n);
   }
   return {numbers.begin(), numbers.end()};

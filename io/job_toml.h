@@ -46,9 +46,9 @@ std::vector<int> parse_face_list(const std::string& text, const std::string& whe
 
 /// A key of job.toml as documentation shows it.
 struct JobKeyInfo {
-  std::string name;      ///< "planning.step"
-  std::string range;     ///< "0.01 ... 100", or the words allowed
-  std::string unit;      ///< "mm", may be empty
+  std::string name;   ///< "planning.step"
+  std::string range;  ///< "0.01 ... 100", or the words allowed
+  std::string unit;   ///< "mm", may be empty
   std::string meaning;
 };
 std::vector<JobKeyInfo> job_keys();

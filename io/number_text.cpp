@@ -34,7 +34,8 @@ void append_number(std::string& text, double x, int decimals) {
   std::int64_t unit = 1;
   while (places > 0) {
     const std::int64_t coarser = unit * 10;
-    const std::int64_t shorter = static_cast<std::int64_t>(std::llround(scaled / static_cast<double>(coarser))) * coarser;
+    const std::int64_t shorter =
+        static_cast<std::int64_t>(std::llround(scaled / static_cast<double>(coarser))) * coarser;
     if (std::abs(static_cast<double>(shorter) - scaled) > 1) break;
     digits = shorter;
     unit = coarser;
@@ -70,9 +71,7 @@ std::string number_text(double x, int decimals) {
   return text;
 }
 
-double rounded_number(double x, int decimals) {
-  return *parse_number(number_text(x, decimals));
-}
+double rounded_number(double x, int decimals) { return *parse_number(number_text(x, decimals)); }
 
 std::optional<double> parse_number(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t'; };
@@ -81,7 +80,8 @@ std::optional<double> parse_number(std::string_view text) {
   if (text.size() > 1 && text.front() == '+' && text[1] != '-' && text[1] != '+') text.remove_prefix(1);
   double value = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  if (problem != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
   return value;
 }
 

@@ -25,16 +25,25 @@ namespace {
 
 std::string reason_for(int number) {
   switch (number) {
-    case ENOSPC: return "no space left on the device; free some or choose another place with -o";
-    case EDQUOT: return "the disk quota is used up; free some space or choose another place with -o";
-    case EFBIG: return "the file would be larger than the system allows; raise the limit (ulimit -f)";
-    case EROFS: return "the file system is read-only; choose another place with -o";
+    case ENOSPC:
+      return "no space left on the device; free some or choose another place with -o";
+    case EDQUOT:
+      return "the disk quota is used up; free some space or choose another place with -o";
+    case EFBIG:
+      return "the file would be larger than the system allows; raise the limit (ulimit -f)";
+    case EROFS:
+      return "the file system is read-only; choose another place with -o";
     case EACCES:
-    case EPERM: return "permission denied; choose another place with -o";
-    case ENAMETOOLONG: return "the path is too long; use a shorter one";
-    case EBUSY: return "is in use as a mount point; choose a directory inside it";
-    case ENOENT: return "no such directory; create it first";
-    default: return std::string(std::strerror(number)) + "; choose another place with -o";
+    case EPERM:
+      return "permission denied; choose another place with -o";
+    case ENAMETOOLONG:
+      return "the path is too long; use a shorter one";
+    case EBUSY:
+      return "is in use as a mount point; choose a directory inside it";
+    case ENOENT:
+      return "no such directory; create it first";
+    default:
+      return std::string(std::strerror(number)) + "; choose another place with -o";
   }
 }
 
@@ -97,9 +106,12 @@ fs::path resolve(const fs::path& target) {
   const fs::file_status status = fs::status(parent, problem);
   if (problem.value() == ENAMETOOLONG) cannot(target, reason_for(ENAMETOOLONG));
   if (!fs::exists(status)) {
-    cannot(target, "the directory '" + printable(parent.string(), 200) + "' does not exist; create it first (mkdir -p)");
+    cannot(target, "the directory '" + printable(parent.string(), 200) +
+                       "' does not exist; create it first (mkdir -p)");
   }
-  if (!fs::is_directory(status)) cannot(target, "'" + printable(parent.string(), 200) + "' is not a directory; choose another place with -o");
+  if (!fs::is_directory(status))
+    cannot(target,
+           "'" + printable(parent.string(), 200) + "' is not a directory; choose another place with -o");
   const fs::path real = fs::weakly_canonical(fs::absolute(path, problem), problem);
   if (problem) cannot(target, reason_for(problem.value()));
   if (real.filename().string().size() > 255) cannot(target, reason_for(ENAMETOOLONG));
@@ -117,8 +129,11 @@ fs::path check_output(const fs::path& target, bool force, const std::vector<fs::
   const fs::path real = resolve(target);
   for (const fs::path& input : inputs) {
     std::error_code problem;
-    if (fs::equivalent(input, real, problem)) cannot(target, "is an input file; choose another place with -o");
-    if (lies_in(input, real)) cannot(target, "holds the input '" + printable(input.string(), 200) + "'; choose another place with -o");
+    if (fs::equivalent(input, real, problem))
+      cannot(target, "is an input file; choose another place with -o");
+    if (lies_in(input, real))
+      cannot(target,
+             "holds the input '" + printable(input.string(), 200) + "'; choose another place with -o");
   }
   if (real == real.root_path()) cannot(target, "is the root directory; name a directory in it");
   std::error_code problem;
@@ -130,10 +145,12 @@ fs::path check_output(const fs::path& target, bool force, const std::vector<fs::
     }
     const std::string foreign = foreign_entry(real);
     if (!fs::is_empty(real, problem) && !force) {
-      cannot(target, foreign.empty() ? "exists; give --force to replace it" : "exists and holds other files; choose another place with -o");
+      cannot(target, foreign.empty() ? "exists; give --force to replace it"
+                                     : "exists and holds other files; choose another place with -o");
     }
     if (!foreign.empty()) {
-      cannot(target, "holds '" + printable(foreign) + "', which afptraj did not write; choose another place with -o");
+      cannot(target,
+             "holds '" + printable(foreign) + "', which afptraj did not write; choose another place with -o");
     }
   }
   if (::access(real.parent_path().c_str(), W_OK | X_OK) != 0) cannot(target, reason_for(errno));
@@ -161,7 +178,8 @@ void OutputDirectory::remove_leftovers() const {
   for (const auto& entry : fs::directory_iterator(target_.parent_path(), problem)) {
     const std::string name = entry.path().filename().string();
     // mkdtemp adds six characters
-    if (name.size() == prefix.size() + 6 && name.compare(0, prefix.size(), prefix) == 0) left.push_back(entry.path());
+    if (name.size() == prefix.size() + 6 && name.compare(0, prefix.size(), prefix) == 0)
+      left.push_back(entry.path());
   }
   for (const fs::path& path : left) {
     const int fd = lock_directory(path);
@@ -181,8 +199,10 @@ void OutputDirectory::make_staging() {
     std::string path = (target_.parent_path() / (staging_prefix(target_) + "XXXXXX")).string();
     if (::mkdtemp(path.data()) == nullptr) cannot(target_, reason_for(errno));
     const int fd = lock_directory(path);
-    struct stat locked {}, named {};
-    if (fd >= 0 && ::fstat(fd, &locked) == 0 && ::stat(path.c_str(), &named) == 0 && locked.st_ino == named.st_ino) {
+    struct stat locked {
+    }, named{};
+    if (fd >= 0 && ::fstat(fd, &locked) == 0 && ::stat(path.c_str(), &named) == 0 &&
+        locked.st_ino == named.st_ino) {
       staging_ = path;
       lock_ = fd;
       const mode_t mask = ::umask(0);

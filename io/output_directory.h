@@ -24,7 +24,8 @@ std::filesystem::path check_output(const std::filesystem::path& target, bool for
 class OutputDirectory {
  public:
   /// Makes the sibling. Throws Error(cannot_write).
-  OutputDirectory(std::filesystem::path target, bool force, const std::vector<std::filesystem::path>& inputs = {});
+  OutputDirectory(std::filesystem::path target, bool force,
+                  const std::vector<std::filesystem::path>& inputs = {});
   /// Removes the sibling unless commit() was reached.
   ~OutputDirectory();
   OutputDirectory(const OutputDirectory&) = delete;

@@ -43,7 +43,8 @@ std::string csv_field(const std::string& text) {
 }
 
 std::string paths_csv(const std::vector<Ply>& plies) {
-  std::string text = "ply,course,segment,point,s_mm,x,y,z,nx,ny,nz,tx,ty,tz,kn_per_mm,kg_per_mm,deviation_deg\n";
+  std::string text =
+      "ply,course,segment,point,s_mm,x,y,z,nx,ny,nz,tx,ty,tz,kn_per_mm,kg_per_mm,deviation_deg\n";
   for (const Ply& ply : plies) {
     const std::string name = csv_field(ply.name);
     for (const Course& course : ply.courses) {

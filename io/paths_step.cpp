@@ -156,8 +156,12 @@ class SegmentFit {
 };
 
 std::array<double, 3> colour(std::size_t ply, int course) {
-  static constexpr std::array<std::array<double, 3>, 6> palette{
-      {{0.12, 0.47, 0.71}, {0.84, 0.37, 0.0}, {0.17, 0.63, 0.17}, {0.58, 0.40, 0.74}, {0.55, 0.34, 0.29}, {0.80, 0.47, 0.65}}};
+  static constexpr std::array<std::array<double, 3>, 6> palette{{{0.12, 0.47, 0.71},
+                                                                 {0.84, 0.37, 0.0},
+                                                                 {0.17, 0.63, 0.17},
+                                                                 {0.58, 0.40, 0.74},
+                                                                 {0.55, 0.34, 0.29},
+                                                                 {0.80, 0.47, 0.65}}};
   if (course == 0) return {0, 0, 0};
   std::array<double, 3> rgb = palette[ply % palette.size()];
   if (course < 0) {
@@ -170,17 +174,20 @@ std::string signed_number(int n) { return (n > 0 ? "+" : "") + std::to_string(n)
 
 }  // namespace
 
-std::vector<BSplineCurve3> fit_segment(const Skin& skin, const CourseSegment& segment, const PathFitOptions& options) {
+std::vector<BSplineCurve3> fit_segment(const Skin& skin, const CourseSegment& segment,
+                                       const PathFitOptions& options) {
   return SegmentFit(skin, segment, options).curves();
 }
 
-std::vector<StepWire> path_wires(const Skin& skin, const std::vector<Ply>& plies, const PathFitOptions& options) {
+std::vector<StepWire> path_wires(const Skin& skin, const std::vector<Ply>& plies,
+                                 const PathFitOptions& options) {
   std::vector<StepWire> wires;
   for (std::size_t p = 0; p < plies.size(); ++p) {
     for (const Course& course : plies[p].courses) {
       for (std::size_t i = 0; i < course.segments.size(); ++i) {
         StepWire wire;
-        wire.name = "ply " + plies[p].name + " course " + signed_number(course.number) + " segment " + std::to_string(i + 1);
+        wire.name = "ply " + plies[p].name + " course " + signed_number(course.number) + " segment " +
+                    std::to_string(i + 1);
         wire.group = "ply " + plies[p].name;
         wire.rgb = colour(p, course.number);
         wire.curves = fit_segment(skin, course.segments[i], options);

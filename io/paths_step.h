@@ -18,10 +18,12 @@ struct PathFitOptions {
 /// far apart, points between them are projected to the skin. One curve, or several joined end to
 /// end where the path has a kink.
 /// Source: Piegl & Tiller, The NURBS Book, ch. 9.3.4 (C1 cubic interpolation).
-std::vector<BSplineCurve3> fit_segment(const Skin& skin, const CourseSegment& segment, const PathFitOptions& options = {});
+std::vector<BSplineCurve3> fit_segment(const Skin& skin, const CourseSegment& segment,
+                                       const PathFitOptions& options = {});
 
 /// All course segments as named wires, grouped by ply: "ply P1 course +3 segment 1". Every ply has
 /// its colour; courses to the right are darker, the reference course is black.
-std::vector<StepWire> path_wires(const Skin& skin, const std::vector<Ply>& plies, const PathFitOptions& options = {});
+std::vector<StepWire> path_wires(const Skin& skin, const std::vector<Ply>& plies,
+                                 const PathFitOptions& options = {});
 
 }  // namespace afptraj

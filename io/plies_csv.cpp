@@ -40,8 +40,8 @@ class RowReader {
     const auto value = parse_number(field);
     if (!value) bad(column, why_no_number(field));
     if (std::abs(*value) > limit) {
-      bad(column, "'" + printable(field) + "' is out of range; it must lie between -" + number_text(limit, 0) + " and " +
-                      number_text(limit, 0));
+      bad(column, "'" + printable(field) + "' is out of range; it must lie between -" +
+                      number_text(limit, 0) + " and " + number_text(limit, 0));
     }
     return *value;
   }
@@ -69,7 +69,8 @@ class RowReader {
     }
     // A number too large for a double is all digits, signs, a point and an exponent.
     if (field.find_first_not_of("+-.0123456789eE \t") == std::string::npos &&
-        field.find_first_of("0123456789") != std::string::npos && field.find_first_of("eE") != std::string::npos) {
+        field.find_first_of("0123456789") != std::string::npos &&
+        field.find_first_of("eE") != std::string::npos) {
       return shown + " is not a finite number; give a finite one";
     }
     return shown + " is not a number; write it like 12.5";
@@ -106,7 +107,8 @@ PliesFile read_plies_file(const std::string& path) {
     if (name.find_first_not_of(" \t\n") == std::string::npos) row.bad(0, "is empty; name the ply");
     if (file.plies.empty() || file.plies.back().name != name) {
       if (!names.insert(name).second) {
-        row.bad(0, "ply '" + printable(name) + "' appears again after ply '" + printable(file.plies.back().name) +
+        row.bad(0, "ply '" + printable(name) + "' appears again after ply '" +
+                       printable(file.plies.back().name) +
                        "'; keep the rows of a ply together, or give it another name");
       }
       if (file.plies.size() == greatest_plies) {
@@ -120,7 +122,8 @@ PliesFile read_plies_file(const std::string& path) {
     ply.points.push_back(read_point(row, fields.line));
     if (row.starts()) {
       if (start_line != 0) {
-        row.bad(7, "ply '" + printable(name) + "' has its start on line " + std::to_string(start_line) + " already; keep one");
+        row.bad(7, "ply '" + printable(name) + "' has its start on line " + std::to_string(start_line) +
+                       " already; keep one");
       }
       start_line = fields.line;
       ply.start = ply.points.size() - 1;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-
 #include <nlohmann/json.hpp>
 
 #include "io/number_text.h"
@@ -28,7 +27,8 @@ Json versions(const RunRecord& run) {
 
 Json inputs(const RunRecord& run) {
   Json out = Json::object();
-  for (const InputRecord& input : run.inputs) out[input.role] = {{"path", input.path}, {"sha256", input.sha256}};
+  for (const InputRecord& input : run.inputs)
+    out[input.role] = {{"path", input.path}, {"sha256", input.sha256}};
   return out;
 }
 
@@ -101,7 +101,8 @@ Json courses(const Ply& ply) {
                           {"points", segment.samples.size()},
                           {"closed", segment.closed}});
     }
-    out.push_back({{"course", course.number}, {"length_mm", number(course.length_mm())}, {"segments", segments}});
+    out.push_back(
+        {{"course", course.number}, {"length_mm", number(course.length_mm())}, {"segments", segments}});
   }
   return out;
 }
@@ -119,29 +120,30 @@ Json uncovered(const PlyReport& report) {
 
 Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
   const PlyReport& r = ply.report;
-  return {{"ply", ply.name},
-          {"band_width_mm", number(r.band_width_mm)},
-          {"courses_laid", ply.courses.size()},
-          {"courses_left", r.courses_left},
-          {"courses_right", r.courses_right},
-          {"N1", r.N1},
-          {"N2", r.N2},
-          {"L1_mm", number(r.L1_mm)},
-          {"L2_mm", number(r.L2_mm)},
-          {"courses_reason", r.courses_reason},
-          {"total_length_mm", number(r.total_length_mm)},
-          {"skin_area_mm2", number(r.skin_area_mm2)},
-          {"covered_share", number(r.covered_share)},
-          {"reached_share", number(r.reached_share)},
-          {"uncovered", uncovered(r)},
-          {"spacing_error_mm", small_number(r.spacing_error_mm)},
-          // nothing turns on the surface: the radius is not a number, JSON has null for it
-          {"min_steering_radius_mm", r.min_steering_radius_mm < 1e9 ? number(r.min_steering_radius_mm) : Json()},
-          {"max_deviation_deg", degrees(r.max_deviation_rad)},
-          {"reference", reference(r)},
-          {"courses", courses(ply)},
-          {"warnings", r.warnings},
-          {"violations", violations}};
+  return {
+      {"ply", ply.name},
+      {"band_width_mm", number(r.band_width_mm)},
+      {"courses_laid", ply.courses.size()},
+      {"courses_left", r.courses_left},
+      {"courses_right", r.courses_right},
+      {"N1", r.N1},
+      {"N2", r.N2},
+      {"L1_mm", number(r.L1_mm)},
+      {"L2_mm", number(r.L2_mm)},
+      {"courses_reason", r.courses_reason},
+      {"total_length_mm", number(r.total_length_mm)},
+      {"skin_area_mm2", number(r.skin_area_mm2)},
+      {"covered_share", number(r.covered_share)},
+      {"reached_share", number(r.reached_share)},
+      {"uncovered", uncovered(r)},
+      {"spacing_error_mm", small_number(r.spacing_error_mm)},
+      // nothing turns on the surface: the radius is not a number, JSON has null for it
+      {"min_steering_radius_mm", r.min_steering_radius_mm < 1e9 ? number(r.min_steering_radius_mm) : Json()},
+      {"max_deviation_deg", degrees(r.max_deviation_rad)},
+      {"reference", reference(r)},
+      {"courses", courses(ply)},
+      {"warnings", r.warnings},
+      {"violations", violations}};
 }
 
 Json stage_times(const std::vector<StageTime>& times) {
@@ -152,7 +154,8 @@ Json stage_times(const std::vector<StageTime>& times) {
 
 Json times(const RunRecord& run, const std::vector<Ply>& plies) {
   Json by_ply = Json::array();
-  for (const Ply& ply : plies) by_ply.push_back({{"ply", ply.name}, {"stages_s", stage_times(ply.report.times)}});
+  for (const Ply& ply : plies)
+    by_ply.push_back({{"ply", ply.name}, {"stages_s", stage_times(ply.report.times)}});
   return {{"started", run.started},
           {"threads", run.threads},
           {"peak_memory_mb", rounded_number(run.peak_memory_mb, 1)},
@@ -162,7 +165,8 @@ Json times(const RunRecord& run, const std::vector<Ply>& plies) {
 
 }  // namespace
 
-std::string summary_json(const RunRecord& run, const StepModel& model, const Skin& skin, const std::vector<Ply>& plies) {
+std::string summary_json(const RunRecord& run, const StepModel& model, const Skin& skin,
+                         const std::vector<Ply>& plies) {
   Json out;
   out["versions"] = versions(run);
   out["inputs"] = inputs(run);
@@ -173,7 +177,8 @@ std::string summary_json(const RunRecord& run, const StepModel& model, const Ski
   for (const Ply& ply : plies) {
     const auto found = std::find_if(run.violations.begin(), run.violations.end(),
                                     [&](const auto& entry) { return entry.first == ply.name; });
-    out["plies"].push_back(ply_facts(ply, found == run.violations.end() ? ply.report.violations : found->second));
+    out["plies"].push_back(
+        ply_facts(ply, found == run.violations.end() ? ply.report.violations : found->second));
   }
   out["warnings"] = run.warnings;
   out["files"] = {"paths.csv", "paths.step", "summary.json"};

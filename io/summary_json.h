@@ -23,18 +23,19 @@ struct RunRecord {
   std::vector<std::pair<std::string, std::string>> versions;  ///< program or library, version
   std::vector<InputRecord> inputs;
   Job job;
-  std::string faces_reason;          ///< how the faces were chosen
+  std::string faces_reason;  ///< how the faces were chosen
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::vector<std::string>>> violations;  ///< ply, limits that do not hold
   std::vector<StageTime> times;
   int threads = 0;
   double peak_memory_mb = 0;
-  std::string started;               ///< wall clock, ISO 8601
+  std::string started;  ///< wall clock, ISO 8601
 };
 
 /// The content of summary.json (docs/files.md says what each member means). Everything that may
 /// differ between two runs of the same input - wall time, clock, threads - stands in the one
 /// member "times". Throws Error(internal) for a NaN.
-std::string summary_json(const RunRecord& run, const StepModel& model, const Skin& skin, const std::vector<Ply>& plies);
+std::string summary_json(const RunRecord& run, const StepModel& model, const Skin& skin,
+                         const std::vector<Ply>& plies);
 
 }  // namespace afptraj

@@ -29,12 +29,18 @@ class OpenFile {
 
 std::string reason_for(int number) {
   switch (number) {
-    case ENOENT: return "no such file; check the path";
-    case EACCES: return "permission denied; make the file readable";
-    case ENOTDIR: return "a part of the path is not a directory; check the path";
-    case ENAMETOOLONG: return "the path is too long; use a shorter one";
-    case ELOOP: return "too many symbolic links; check the path";
-    default: return std::string(std::strerror(number)) + "; check the file";
+    case ENOENT:
+      return "no such file; check the path";
+    case EACCES:
+      return "permission denied; make the file readable";
+    case ENOTDIR:
+      return "a part of the path is not a directory; check the path";
+    case ENAMETOOLONG:
+      return "the path is too long; use a shorter one";
+    case ELOOP:
+      return "too many symbolic links; check the path";
+    default:
+      return std::string(std::strerror(number)) + "; check the file";
   }
 }
 
@@ -63,7 +69,9 @@ void refuse_known_binary(const std::string& path, std::string_view text, ErrorCo
       {"PK\x03\x04", "a zip archive or spreadsheet (save it as CSV, UTF-8)"},
       {"\xd0\xcf\x11\xe0", "an old spreadsheet (save it as CSV, UTF-8)"},
       {"ISO-10303-21", "a STEP file"},
-      {"\x7f" "ELF", "a program"},
+      {"\x7f"
+       "ELF",
+       "a program"},
   }};
   for (const auto& [magic, what] : known) {
     if (text.substr(0, magic.size()) == magic) {
@@ -95,7 +103,8 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
 void require_utf8(const std::string& path, std::string_view text, ErrorCode code) {
   for (std::size_t at = 0; at < text.size();) {
     if (text[at] == '\0') {
-      throw Error(code, file_line(path, line_of(text, at)), "holds a NUL byte: not a text file; save it as UTF-8 text");
+      throw Error(code, file_line(path, line_of(text, at)),
+                  "holds a NUL byte: not a text file; save it as UTF-8 text");
     }
     const std::size_t length = utf8_length(text, at);
     if (length == 0) {
@@ -164,7 +173,9 @@ std::string read_file(const std::string& path, std::size_t limit_bytes, ErrorCod
 
 std::string read_text_file(const std::string& path, std::size_t limit_bytes, ErrorCode code) {
   std::string text = read_file(path, limit_bytes, code);
-  const auto starts = [&](std::string_view magic) { return std::string_view(text).substr(0, magic.size()) == magic; };
+  const auto starts = [&](std::string_view magic) {
+    return std::string_view(text).substr(0, magic.size()) == magic;
+  };
   if (starts("\xff\xfe") || starts("\xfe\xff")) {
     throw Error(code, path, "is UTF-16 text; save it as UTF-8");
   }

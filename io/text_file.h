@@ -19,10 +19,12 @@ void require_readable_file(const std::string& path, ErrorCode code = ErrorCode::
 
 /// The whole of a regular file, as it is. Throws Error(`code`) as above, and
 /// Error(resource_limit) when it is larger than `limit_bytes`.
-std::string read_file(const std::string& path, std::size_t limit_bytes, ErrorCode code = ErrorCode::bad_input);
+std::string read_file(const std::string& path, std::size_t limit_bytes,
+                      ErrorCode code = ErrorCode::bad_input);
 
 /// The text of a UTF-8 file without a byte order mark. Throws Error(`code`) naming the line for what
 /// is not text: UTF-16, NUL bytes, invalid UTF-8, and well-known binary formats by their name.
-std::string read_text_file(const std::string& path, std::size_t limit_bytes, ErrorCode code = ErrorCode::bad_input);
+std::string read_text_file(const std::string& path, std::size_t limit_bytes,
+                           ErrorCode code = ErrorCode::bad_input);
 
 }  // namespace afptraj

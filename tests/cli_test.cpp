@@ -1,5 +1,6 @@
 // The program as a whole: exit codes, messages, and what it leaves on the disk.
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -9,11 +10,9 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
-
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "tests/temporary_directory.h"
 
@@ -36,7 +35,8 @@ struct Outcome {
 // A run of the program in a directory, started with start() and awaited with wait().
 class Program {
  public:
-  Program(const fs::path& directory, std::vector<std::string> arguments, const std::function<void()>& prepare = {})
+  Program(const fs::path& directory, std::vector<std::string> arguments,
+          const std::function<void()>& prepare = {})
       : out_(directory.parent_path() / (directory.filename().string() + ".stdout")),
         err_(directory.parent_path() / (directory.filename().string() + ".stderr")) {
     pid_ = ::fork();
@@ -70,15 +70,15 @@ class Cli : public testing::Test {
   Cli() { fs::create_directory(work()); }
   fs::path work() const { return scratch_ / "work"; }
   fs::path operator/(const std::string& name) const { return work() / name; }
-  std::string write(const std::string& name, const std::string& content) const { return scratch_.write("work/" + name, content); }
+  std::string write(const std::string& name, const std::string& content) const {
+    return scratch_.write("work/" + name, content);
+  }
 
   Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const {
     return Program(work(), arguments, prepare).wait();
   }
   // One ply of the panel: enough to see the program work, and quick.
-  std::string one_ply() const {
-    return write("one.csv", "ply,x,y,z,dx,dy,dz\nP,500,300,70,1,0,0\n");
-  }
+  std::string one_ply() const { return write("one.csv", "ply,x,y,z,dx,dy,dz\nP,500,300,70,1,0,0\n"); }
   std::set<std::string> names() const {
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(work())) names.insert(entry.path().filename().string());
@@ -120,7 +120,8 @@ TEST_F(Cli, DoctorTellsVersions) {
 TEST_F(Cli, NamesTheNearestOfWhatItDoesNotKnow) {
   expect_error(run({}), 2, "names no command");
   expect_error(run({"rnu", "a", "b"}), 2, "rnu: unknown command; did you mean 'run'?");
-  expect_error(run({"run", "a", "b", "--tow-widht", "6"}), 2, "--tow-widht: unknown flag; did you mean '--tow-width'?");
+  expect_error(run({"run", "a", "b", "--tow-widht", "6"}), 2,
+               "--tow-widht: unknown flag; did you mean '--tow-width'?");
   expect_error(run({"run", "a", "b", "--stp=2"}), 2, "--stp: unknown flag; did you mean '--step'?");
   expect_error(run({"run", "a", "b", "c"}), 2, "c: is one argument too many");
   expect_error(run({"run"}), 2, "needs surface.step and plies.csv");
@@ -136,7 +137,8 @@ TEST_F(Cli, JudgesValues) {
     words.insert(words.end(), flags.begin(), flags.end());
     return run(words);
   };
-  expect_error(with({"--step", "0"}), 2, "--step: planning.step = 0 is out of range; it must lie in 0.01 ... 100 mm");
+  expect_error(with({"--step", "0"}), 2,
+               "--step: planning.step = 0 is out of range; it must lie in 0.01 ... 100 mm");
   expect_error(with({"--step", "1,5"}), 2, "'1,5' is not a number");
   expect_error(with({"--tow-width", "nan"}), 2, "--tow-width");
   expect_error(with({"--tows", "2.5"}), 2, "not a whole number");
@@ -149,7 +151,8 @@ TEST_F(Cli, JudgesValues) {
   expect_error(with({"--face", "1", "--tangent-from", "1"}), 2, "more than one way");
   expect_error(with({"-q", "-v"}), 2, "contradicts");
   expect_error(with({"--job", "absent.toml"}), 2, "absent.toml: no such file");
-  expect_error(with({"--job", write("job.toml", "[planning]\nstpe = 1\n")}), 2, "job.toml:2:1: unknown key 'stpe' in [planning]; did you mean 'step'?");
+  expect_error(with({"--job", write("job.toml", "[planning]\nstpe = 1\n")}), 2,
+               "job.toml:2:1: unknown key 'stpe' in [planning]; did you mean 'step'?");
   expect_error(with({"--tow-width", "700"}), 2, "smaller than tow_width");
   EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "job.toml"}));
 }
@@ -172,7 +175,8 @@ TEST_P(CliBadPart, IsRefusedInOneLine) {
 
 std::string step_file(const std::string& data) {
   return "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
-         "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\n" + data + "ENDSEC;\nEND-ISO-10303-21;\n";
+         "FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\nDATA;\n" +
+         data + "ENDSEC;\nEND-ISO-10303-21;\n";
 }
 
 using namespace std::string_literals;
@@ -181,13 +185,18 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(BadPart{"Empty", "", 3, "part.step"}, BadPart{"Blank", " \n\t\n", 3, "part.step"},
                     BadPart{"Nul", std::string(1000, '\0'), 3, "part.step"},
                     BadPart{"Random", "\x01\x02\xff\xfe\x80garbage"s, 3, "part.step"},
-                    BadPart{"Png", "\x89PNG\r\n\x1a\n", 3, "PNG"}, BadPart{"Utf16", "\xff\xfeI\0S\0O\0"s, 3, "UTF-16"},
+                    BadPart{"Png", "\x89PNG\r\n\x1a\n", 3, "PNG"},
+                    BadPart{"Utf16", "\xff\xfeI\0S\0O\0"s, 3, "UTF-16"},
                     BadPart{"HeaderOnly", "ISO-10303-21;\nHEADER;\nENDSEC;\n", 3, "part.step"},
                     BadPart{"NoEntities", step_file(""), 3, "part.step"},
                     BadPart{"NaN", step_file("#1=CARTESIAN_POINT('',(NaN,0.,0.));\n"), 3, "part.step"},
                     BadPart{"NoFace", step_file("#1=CARTESIAN_POINT('',(1.,0.,0.));\n"), 3, "part.step"},
-                    BadPart{"Nested", step_file("#1=CARTESIAN_POINT('',"s + std::string(200000, '(') + std::string(200000, ')') + ");\n"), 3, "part.step"},
-                    BadPart{"OpenString", step_file("#1=CARTESIAN_POINT('abc,(1.,0.,0.));\n"), 3, "part.step"},
+                    BadPart{"Nested",
+                            step_file("#1=CARTESIAN_POINT('',"s + std::string(200000, '(') +
+                                      std::string(200000, ')') + ");\n"),
+                            3, "part.step"},
+                    BadPart{"OpenString", step_file("#1=CARTESIAN_POINT('abc,(1.,0.,0.));\n"), 3,
+                            "part.step"},
                     BadPart{"Csv", "ply,x,y,z,dx,dy,dz\nA,1,2,3,1,0,0\n", 3, "part.step"}),
     [](const auto& info) { return info.param.name; });
 
@@ -241,7 +250,8 @@ TEST_F(Cli, RefusesBadOutputPlaces) {
   expect_error(run({"run", panel, plies, "-o", std::string(300, 'x')}), 5, "too long");
   fs::create_directory(*this / "mine");
   write("mine/notes.txt", "x");
-  expect_error(run({"run", panel, plies, "-o", "mine", "--force"}), 5, "'notes.txt', which afptraj did not write");
+  expect_error(run({"run", panel, plies, "-o", "mine", "--force"}), 5,
+               "'notes.txt', which afptraj did not write");
   EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "file", "mine"}));
 }
 
@@ -252,7 +262,8 @@ TEST_F(Cli, RunsToItsFiles) {
   EXPECT_HAS(first.out, "ply P: ");
   EXPECT_HAS(first.out, "wrote part-afptraj/{paths.csv,paths.step,summary.json}");
   std::set<std::string> files;
-  for (const auto& entry : fs::directory_iterator(*this / "part-afptraj")) files.insert(entry.path().filename().string());
+  for (const auto& entry : fs::directory_iterator(*this / "part-afptraj"))
+    files.insert(entry.path().filename().string());
   EXPECT_EQ(files, (std::set<std::string>{"paths.csv", "paths.step", "summary.json"}));
   EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "part-afptraj"}));
 
@@ -275,7 +286,8 @@ TEST_F(Cli, GivesTheSameBytesWithAnyNumberOfThreads) {
     EXPECT_EQ(json["times"]["threads"], std::stoi(threads));
     json.erase("times");
     if (csv.empty()) {
-      csv = content_of(*this / "out/paths.csv"), step = content_of(*this / "out/paths.step"), summary = json.dump();
+      csv = content_of(*this / "out/paths.csv"), step = content_of(*this / "out/paths.step"),
+      summary = json.dump();
     }
     EXPECT_EQ(content_of(*this / "out/paths.csv") == csv, true) << threads;
     EXPECT_EQ(content_of(*this / "out/paths.step") == step, true) << threads;
@@ -295,7 +307,8 @@ TEST_F(Cli, StrictTurnsViolationsIntoOne) {
 
 TEST_F(Cli, FlagOverridesJob) {
   const std::string plies = one_ply();
-  const std::string job = write("job.toml", "[head]\ntows = 4\n[planning]\nstep = 3\n[faces]\nname = \"x\"\n");
+  const std::string job =
+      write("job.toml", "[head]\ntows = 4\n[planning]\nstep = 3\n[faces]\nname = \"x\"\n");
   ASSERT_EQ(run({"run", panel, plies, "-o", "out", "--job", job, "--tows", "16", "--face", "1"}).code, 0);
   const auto options = nlohmann::json::parse(content_of(*this / "out/summary.json"))["options"];
   EXPECT_EQ(options["head"]["tows"], 16);
@@ -307,7 +320,8 @@ TEST_F(Cli, FlagOverridesJob) {
 // A ply point far beside the part in a table of many plies: long enough to interrupt.
 std::string long_work(const Cli&) {
   std::string text = "ply,x,y,z,dx,dy,dz\n";
-  for (int i = 0; i < 400; ++i) text += "P" + std::to_string(i) + ",500,300,70,1,0." + std::to_string(i % 90 + 10) + ",0\n";
+  for (int i = 0; i < 400; ++i)
+    text += "P" + std::to_string(i) + ",500,300,70,1,0." + std::to_string(i % 90 + 10) + ",0\n";
   return text;
 }
 
@@ -340,7 +354,11 @@ TEST_F(Cli, SurvivesOddSurroundings) {
       {"no environment", [] { ::clearenv(); }},
       {"no standard streams", [] { ::close(0), ::close(1), ::close(2); }},
       {"stdin closed", [] { ::close(0); }},
-      {"unlimited stack", [] { const rlimit limit{RLIM_INFINITY, RLIM_INFINITY}; ::setrlimit(RLIMIT_STACK, &limit); }},
+      {"unlimited stack",
+       [] {
+         const rlimit limit{RLIM_INFINITY, RLIM_INFINITY};
+         ::setrlimit(RLIMIT_STACK, &limit);
+       }},
   };
   std::string csv;
   for (const auto& [name, prepare] : surroundings) {

@@ -207,6 +207,22 @@ TEST(Geodesic, WrapsRoundBeyondTheRimOfAClosedSurface) {
   EXPECT_LT((skin.point(g.at) - expected).norm(), 1e-9);
 }
 
+// The rim is a knot line and a trim loop at once: a step that lands on it must still notice both ways.
+TEST(Geodesic, NoticesALoopOnTheEndOfTheDomain) {
+  const Skin skin = make_skin(nurbs_cylinder(350, 1000), {0, 4}, {0, 1});
+  GeodesicOptions o = fine();
+  o.margin_mm = 100;
+  const GeodesicTracer tracer(skin, o);
+  const SurfacePoint start{0, Uv(0.5, 0.01)};
+  const SurfaceDerivatives d = skin.derivatives(start);
+  GeodesicState g = tracer.start(start, -d.Sv);
+  ASSERT_EQ(tracer.advance(g, 30), TraceEnd::reached);
+  EXPECT_TRUE(g.outside);
+  g.duv = -g.duv;
+  ASSERT_EQ(tracer.advance(g, 40), TraceEnd::reached);
+  EXPECT_FALSE(g.outside);
+}
+
 // Two planes meeting at a fold: the straightest path keeps its angle to the edge.
 TEST(Geodesic, TurnsAboutAFold) {
   const Vec3 n1(0, 0, 1), n2 = Vec3(0, -1, 1).normalized();

@@ -1,8 +1,8 @@
 #include "io/job_toml.h"
 
-#include <locale>
-
 #include <gtest/gtest.h>
+
+#include <locale>
 
 #include "geometry/error.h"
 #include "tests/temporary_directory.h"
@@ -73,16 +73,20 @@ TEST_P(JobTomlDefect, IsNamedWithItsPlace) {
 INSTANTIATE_TEST_SUITE_P(
     Table, JobTomlDefect,
     testing::Values(
-        Defect{"UnknownKey", "[planning]\nstpe = 2\n", ":2:1", "unknown key 'stpe' in [planning]; did you mean 'step'?"},
+        Defect{"UnknownKey", "[planning]\nstpe = 2\n", ":2:1",
+               "unknown key 'stpe' in [planning]; did you mean 'step'?"},
         Defect{"FarOffKey", "[head]\ncolour = 2\n", ":2:1", "[head] knows tows"},
         Defect{"KeyOfAnotherTable", "[planning]\n  tow_width = 2\n", ":2:3", "it belongs into [material]"},
         Defect{"KeyWithoutTable", "step = 2\n", ":1:1", "it belongs into [planning]"},
-        Defect{"UnknownTable", "[plannig]\nstep = 2\n", ":1:2", "unknown table [plannig]; did you mean 'planning'?"},
+        Defect{"UnknownTable", "[plannig]\nstep = 2\n", ":1:2",
+               "unknown table [plannig]; did you mean 'planning'?"},
         Defect{"TableIsAValue", "planning = 3\n", ":1:12", "must be a table"},
-        Defect{"TextForNumber", "[planning]\nstep = \"2\"\n", ":2:8", "planning.step must be a number, not text"},
+        Defect{"TextForNumber", "[planning]\nstep = \"2\"\n", ":2:8",
+               "planning.step must be a number, not text"},
         Defect{"FractionForCount", "[head]\ntows = 2.5\n", ":2:8", "head.tows must be a whole number"},
         Defect{"NumberForText", "[input]\nunit = 3\n", ":2:8", "input.unit must be text in quotes"},
-        Defect{"OutOfRange", "[material]\ntow_width = -1\n", ":2:13", "material.tow_width = -1 is out of range; it must lie in 0.1 ... 1000 mm"},
+        Defect{"OutOfRange", "[material]\ntow_width = -1\n", ":2:13",
+               "material.tow_width = -1 is out of range; it must lie in 0.1 ... 1000 mm"},
         Defect{"NotANumber", "[material]\ntow_width = nan\n", ":2:13", "out of range"},
         Defect{"TooMany", "[head]\ntows = 9223372036854775807\n", ":2:8", "it must lie in 1 ... 256"},
         Defect{"UnknownUnit", "[input]\nunit = \"yd\"\n", ":2:8", "it is one of mm, cm, m, in, ft"},
@@ -111,9 +115,9 @@ TEST_P(JobTomlSyntax, IsRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, JobTomlSyntax,
-                         testing::Values("[planning\nstep = 2\n", "[planning]\nstep = \n", "[planning]\nstep 2\n",
-                                         "[planning]\nstep = 2\nstep = 3\n", "[input]\nunit = \"m\n", "= 3\n",
-                                         "[planning]\nstep = 1 2\n"));
+                         testing::Values("[planning\nstep = 2\n", "[planning]\nstep = \n",
+                                         "[planning]\nstep 2\n", "[planning]\nstep = 2\nstep = 3\n",
+                                         "[input]\nunit = \"m\n", "= 3\n", "[planning]\nstep = 1 2\n"));
 
 TEST(JobToml, RefusesDeepNesting) {
   const std::string deep = "[faces]\nlist = " + std::string(100000, '[') + std::string(100000, ']') + "\n";
@@ -145,9 +149,15 @@ TEST(JobKeys, FlagsObeyTheSameRanges) {
   EXPECT_EQ(job.plan.tows, 16);
   set_job_key(job, "faces.list", "3,5-6", "--face");
   EXPECT_EQ(job.faces.numbers, (std::vector<int>{3, 5, 6}));
-  for (const auto& [key, text] : std::vector<std::pair<std::string, std::string>>{
-           {"planning.step", "0"}, {"planning.step", "nan"}, {"planning.step", "1,5"}, {"head.tows", "2.5"},
-           {"head.tows", "1e300"}, {"input.unit", "inch"}, {"faces.list", "5-3"}, {"faces.list", "1-9999999"}, {"faces.list", ""}}) {
+  for (const auto& [key, text] : std::vector<std::pair<std::string, std::string>>{{"planning.step", "0"},
+                                                                                  {"planning.step", "nan"},
+                                                                                  {"planning.step", "1,5"},
+                                                                                  {"head.tows", "2.5"},
+                                                                                  {"head.tows", "1e300"},
+                                                                                  {"input.unit", "inch"},
+                                                                                  {"faces.list", "5-3"},
+                                                                                  {"faces.list", "1-9999999"},
+                                                                                  {"faces.list", ""}}) {
     try {
       set_job_key(job, key, text, "--flag");
       FAIL() << key << " " << text;
@@ -168,7 +178,8 @@ TEST(JobKeys, AreAllRecordedAndDocumented) {
     EXPECT_EQ(keys[i].name, values[i].first);
     const std::string name = keys[i].name.substr(keys[i].name.find('.') + 1);
     EXPECT_NE(files.find("`" + name + "`"), std::string::npos) << keys[i].name << " is not in docs/files.md";
-    EXPECT_NE(files.find(keys[i].range), std::string::npos) << keys[i].name << ": range " << keys[i].range << " is not in docs/files.md";
+    EXPECT_NE(files.find(keys[i].range), std::string::npos)
+        << keys[i].name << ": range " << keys[i].range << " is not in docs/files.md";
   }
 }
 

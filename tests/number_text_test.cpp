@@ -1,11 +1,11 @@
 #include "io/number_text.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 #include <locale>
 #include <random>
-
-#include <gtest/gtest.h>
 
 #include "geometry/error.h"
 
@@ -67,7 +67,8 @@ TEST(NumberText, LargeNumbersKeepEveryDigit) {
 }
 
 TEST(NumberText, RefusesWhatIsNotANumber) {
-  for (const double x : {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
+  for (const double x :
+       {std::nan(""), std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
     try {
       number_text(x);
       FAIL() << "a NaN or infinity was written";

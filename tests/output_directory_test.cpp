@@ -1,5 +1,6 @@
 #include "io/output_directory.h"
 
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -10,8 +11,6 @@
 #include <functional>
 #include <set>
 #include <thread>
-
-#include <gtest/gtest.h>
 
 #include "geometry/error.h"
 #include "tests/temporary_directory.h"
@@ -96,7 +95,8 @@ TEST(OutputDirectory, NeverReplacesWhatItDidNotWrite) {
   const TemporaryDirectory scratch;
   write_result(scratch / "out", "old");
   scratch.write("out/thesis.tex", "years of work");
-  EXPECT_SAYS(refusal([&] { write_result(scratch / "out", "new", true); }), "'thesis.tex', which afptraj did not write");
+  EXPECT_SAYS(refusal([&] { write_result(scratch / "out", "new", true); }),
+              "'thesis.tex', which afptraj did not write");
   EXPECT_EQ(content_of(scratch / "out" / "thesis.tex"), "years of work");
   EXPECT_EQ(result_of(scratch / "out"), "old");
 }
@@ -191,7 +191,8 @@ TEST(OutputDirectory, KeepsTheOldResultOnAFullDisk) {
   const TemporaryDirectory scratch;
   const fs::path disk = scratch / "disk";
   fs::create_directory(disk);
-  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "may not mount a small disk";
+  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=64k") != 0)
+    GTEST_SKIP() << "may not mount a small disk";
   write_result(disk / "out", "old");
   EXPECT_SAYS(refusal([&] { write_result(disk / "out", std::string(200000, 'n'), true); }), "no space left");
   EXPECT_EQ(result_of(disk / "out"), "old");

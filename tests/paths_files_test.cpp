@@ -1,10 +1,10 @@
 // paths.csv, paths.step and summary.json of hand-made plies.
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
-#include <sstream>
-
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "geometry/curvature.h"
 #include "geometry/error.h"
@@ -64,10 +64,12 @@ TEST(PathsCsv, HasOneRowPerSampleInOrder) {
   segment.samples[1].deviation_rad = pi / 180;
   const auto lines = lines_of(paths_csv({ply_of("A", segment), ply_of("=1+1", segment)}));
   ASSERT_EQ(lines.size(), 1u + 2 * 4 * 3);
-  EXPECT_EQ(lines[0], "ply,course,segment,point,s_mm,x,y,z,nx,ny,nz,tx,ty,tz,kn_per_mm,kg_per_mm,deviation_deg");
+  EXPECT_EQ(lines[0],
+            "ply,course,segment,point,s_mm,x,y,z,nx,ny,nz,tx,ty,tz,kn_per_mm,kg_per_mm,deviation_deg");
   EXPECT_EQ(lines[1].rfind("A,-1,1,1,0,", 0), 0u) << lines[1];
   EXPECT_EQ(lines[2].rfind("A,-1,1,2,5,", 0), 0u) << lines[2];
-  EXPECT_NE(lines[2].find(",0.000000000002,1"), std::string::npos) << lines[2];  // curvatures keep twelve decimals
+  EXPECT_NE(lines[2].find(",0.000000000002,1"), std::string::npos)
+      << lines[2];  // curvatures keep twelve decimals
   EXPECT_EQ(lines[4].rfind("A,0,1,1,", 0), 0u) << lines[4];
   EXPECT_EQ(lines[7].rfind("A,0,2,1,", 0), 0u) << lines[7];
   EXPECT_EQ(lines[13].rfind("\"=1+1\",-1,1,1,", 0), 0u) << lines[13];  // no formula for a spreadsheet
@@ -79,14 +81,16 @@ TEST(PathsCsv, QuotesWhatNeedsIt) {
   EXPECT_EQ(csv_field("a,b"), "\"a,b\"");
   EXPECT_EQ(csv_field("say \"hi\""), "\"say \"\"hi\"\"\"");
   EXPECT_EQ(csv_field("two\nlines"), "\"two\nlines\"");
-  for (const char* risky : {"=cmd()", "+45", "-45", "@x", "#1", " blank"}) EXPECT_EQ(csv_field(risky)[0], '"') << risky;
+  for (const char* risky : {"=cmd()", "+45", "-45", "@x", "#1", " blank"})
+    EXPECT_EQ(csv_field(risky)[0], '"') << risky;
 }
 
 // A name that is written is read back as it was.
 TEST(PathsCsv, NamesSurviveTheReader) {
   const test::TemporaryDirectory directory;
   for (const std::string name : {"+45", "=cmd()", "a,\"b\"\nc", "#7", "Lage 3 \xc3\xbc"}) {
-    const std::string path = directory.write("plies.csv", "ply,x,y,z,dx,dy,dz\n" + csv_field(name) + ",1,2,3,1,0,0\n");
+    const std::string path =
+        directory.write("plies.csv", "ply,x,y,z,dx,dy,dz\n" + csv_field(name) + ",1,2,3,1,0,0\n");
     EXPECT_EQ(read_plies(path).front().name, name);
   }
 }
@@ -153,7 +157,8 @@ TEST(PathsStep, KinksSplitTheWire) {
 
 TEST(PathsStep, WiresAreNamedGroupedAndColoured) {
   const Skin skin = skin_of(Surface::cylinder(Frame{}, 350), {0, 2 * pi}, {-10, 1100});
-  const auto wires = path_wires(skin, {ply_of("P1", helix(350, 0.6, 100, 5)), ply_of("P2", helix(350, 0.6, 100, 5))});
+  const auto wires =
+      path_wires(skin, {ply_of("P1", helix(350, 0.6, 100, 5)), ply_of("P2", helix(350, 0.6, 100, 5))});
   ASSERT_EQ(wires.size(), 8u);
   EXPECT_EQ(wires[0].name, "ply P1 course -1 segment 1");
   EXPECT_EQ(wires[2].name, "ply P1 course 0 segment 2");

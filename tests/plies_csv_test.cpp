@@ -1,8 +1,7 @@
 #include "io/plies_csv.h"
 
-#include <sys/stat.h>
-
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "geometry/error.h"
 #include "tests/temporary_directory.h"
@@ -19,13 +18,14 @@ PliesFile read(const std::string& content) {
 
 TEST(PliesCsv, ReadsPliesInOrder) {
   const auto plies = read(
-      "# a comment\n"
-      "ply,x,y,z,dx,dy,dz,start\n"
-      "\n"
-      "P1,1,2,3,1,0,0,\n"
-      "P1,4.5,-5e1,+6,0,2,0,1\n"
-      "  # another\n"
-      "P0,7,8,9,0,0,-1,0\n").plies;
+                         "# a comment\n"
+                         "ply,x,y,z,dx,dy,dz,start\n"
+                         "\n"
+                         "P1,1,2,3,1,0,0,\n"
+                         "P1,4.5,-5e1,+6,0,2,0,1\n"
+                         "  # another\n"
+                         "P0,7,8,9,0,0,-1,0\n")
+                         .plies;
   ASSERT_EQ(plies.size(), 2u);
   EXPECT_EQ(plies[0].name, "P1");
   ASSERT_EQ(plies[0].points.size(), 2u);
@@ -42,10 +42,10 @@ TEST(PliesCsv, ReadsPliesInOrder) {
 TEST(PliesCsv, AcceptsEverySpellingOfATable) {
   const std::string row = "A,1,2,3,4,5,6";
   for (const std::string& text : {
-           header + row + "\n", header + row,                                   // with and without the last line end
-           "\xef\xbb\xbf" + header + row + "\n",                                // byte order mark
-           std::string("ply,x,y,z,dx,dy,dz\r\n") + row + "\r\n",                // CRLF
-           std::string("ply,x,y,z,dx,dy,dz\r") + row + "\r",                    // CR
+           header + row + "\n", header + row,                     // with and without the last line end
+           "\xef\xbb\xbf" + header + row + "\n",                  // byte order mark
+           std::string("ply,x,y,z,dx,dy,dz\r\n") + row + "\r\n",  // CRLF
+           std::string("ply,x,y,z,dx,dy,dz\r") + row + "\r",      // CR
            std::string("\"ply\",\"x\",y,z,dx,dy,dz\n\"A\",\"1\",2,3,4,5,6\n"),  // quotes
            std::string("z,dz,dy,dx,y,x,ply\n3,6,5,4,2,1,A\n"),                  // another order
            std::string("PLY, X ,Y,Z,dX,dY,dZ\nA, 1 ,2,3,4,5,6\n"),              // case and blanks
@@ -69,7 +69,8 @@ TEST(PliesCsv, QuotedFieldsHoldAnything) {
 TEST(PliesCsv, WarnsOfUnusedColumns) {
   const auto file = read("ply,x,y,z,dx,dy,dz,strat\nA,1,2,3,1,0,0,1\n");
   ASSERT_EQ(file.warnings.size(), 1u);
-  EXPECT_NE(file.warnings[0].find("'strat' is not used; did you mean 'start'?"), std::string::npos) << file.warnings[0];
+  EXPECT_NE(file.warnings[0].find("'strat' is not used; did you mean 'start'?"), std::string::npos)
+      << file.warnings[0];
 }
 
 struct Defect {
@@ -106,7 +107,8 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"CommentsOnly", "# nothing\n", "", "is empty"}, Defect{"HeaderOnly", header, "", "no rows"},
         Defect{"Semicolons", "ply;x;y;z;dx;dy;dz\nA;1;2;3;1;0;0\n", ":1", "separated by semicolons"},
         Defect{"Tabs", "ply\tx\ty\tz\tdx\tdy\tdz\n", ":1", "separated by tabs"},
-        Defect{"MissingColumn", "ply,x,y,z,dx,dy\nA,1,2,3,1,0\n", ":1", "column 'dz' is missing: the header has ply,x,y,z,dx,dy"},
+        Defect{"MissingColumn", "ply,x,y,z,dx,dy\nA,1,2,3,1,0\n", ":1",
+               "column 'dz' is missing: the header has ply,x,y,z,dx,dy"},
         Defect{"MisspeltColumn", "ply,x,y,z,dx,dy,dzz\nA,1,2,3,1,0,0\n", ":1", "rename 'dzz' to 'dz'"},
         Defect{"DuplicateColumn", "ply,x,y,z,dx,dy,dz,x\nA,1,2,3,1,0,0,1\n", ":1", "column 'x' stands twice"},
         Defect{"NamelessColumn", "ply,x,y,z,dx,dy,dz,\nA,1,2,3,1,0,0,\n", ":1", "column 8 has no name"},
@@ -115,23 +117,31 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"OpenQuote", header + "A,1,2,3,1,0,0\n\"B,1,2,3\n,1,0,0\n", ":3", "never closed"},
         Defect{"TextAfterQuote", header + "\"A\"B,1,2,3,1,0,0\n", ":2", "goes on after its closing quote"},
         Defect{"QuoteInside", header + "A\"B,1,2,3,1,0,0\n", ":2", "has a quote inside"},
-        Defect{"DecimalComma", header + "A,\"12,5\",2,3,1,0,0\n", ":2", "column 'x': '12,5' has a decimal comma; write 12.5"},
+        Defect{"DecimalComma", header + "A,\"12,5\",2,3,1,0,0\n", ":2",
+               "column 'x': '12,5' has a decimal comma; write 12.5"},
         Defect{"Word", header + "A,1,two,3,1,0,0\n", ":2", "column 'y': 'two' is not a number"},
         Defect{"EmptyNumber", header + "A,1,2,,1,0,0\n", ":2", "column 'z': is empty"},
         Defect{"Nan", header + "A,1,2,3,nan,0,0\n", ":2", "column 'dx': 'nan' is not a finite number"},
         Defect{"Infinity", header + "A,1,-inf,3,1,0,0\n", ":2", "column 'y': '-inf' is not a finite number"},
-        Defect{"Overflow", header + "A,1e999,2,3,1,0,0\n", ":2", "column 'x': '1e999' is not a finite number"},
+        Defect{"Overflow", header + "A,1e999,2,3,1,0,0\n", ":2",
+               "column 'x': '1e999' is not a finite number"},
         Defect{"OutOfRange", header + "A,1,2,3e12,1,0,0\n", ":2", "column 'z': '3e12' is out of range"},
-        Defect{"ZeroDirection", header + "A,1,2,3,1,0,0\nA,1,2,3,0,0,-0\n", ":3", "the direction (columns dx, dy, dz) is zero"},
+        Defect{"ZeroDirection", header + "A,1,2,3,1,0,0\nA,1,2,3,0,0,-0\n", ":3",
+               "the direction (columns dx, dy, dz) is zero"},
         Defect{"EmptyName", header + " ,1,2,3,1,0,0\n", ":2", "column 'ply': is empty"},
-        Defect{"PlyAgain", header + "A,1,2,3,1,0,0\nB,1,2,3,1,0,0\nA,1,2,3,1,0,0\n", ":4", "ply 'A' appears again after ply 'B'"},
-        Defect{"StartTwice", "ply,x,y,z,dx,dy,dz,start\nA,1,2,3,1,0,0,1\nA,1,2,3,1,0,0,1\n", ":3", "start on line 2 already"},
-        Defect{"StartNotAFlag", "ply,x,y,z,dx,dy,dz,start\nA,1,2,3,1,0,0,yes\n", ":2", "column 'start': 'yes' is neither 0 nor 1"},
+        Defect{"PlyAgain", header + "A,1,2,3,1,0,0\nB,1,2,3,1,0,0\nA,1,2,3,1,0,0\n", ":4",
+               "ply 'A' appears again after ply 'B'"},
+        Defect{"StartTwice", "ply,x,y,z,dx,dy,dz,start\nA,1,2,3,1,0,0,1\nA,1,2,3,1,0,0,1\n", ":3",
+               "start on line 2 already"},
+        Defect{"StartNotAFlag", "ply,x,y,z,dx,dy,dz,start\nA,1,2,3,1,0,0,yes\n", ":2",
+               "column 'start': 'yes' is neither 0 nor 1"},
         Defect{"Nul", header + "A,1,2,3,1,0,0\n\0"s, ":3", "NUL byte"},
         Defect{"Utf8", header + "\xc3(,1,2,3,1,0,0\n", ":2", "not valid UTF-8"},
         Defect{"Utf8Overlong", header + "\xc0\xaf,1,2,3,1,0,0\n", ":2", "not valid UTF-8"},
-        Defect{"Utf16", "\xff\xfep\0l\0y\0"s, "", "UTF-16"}, Defect{"Png", "\x89PNG\r\n\x1a\n", "", "looks like a PNG"},
-        Defect{"Zip", "PK\x03\x04xxxx", "", "spreadsheet"}, Defect{"Step", "ISO-10303-21;\nHEADER;\n", "", "looks like a STEP file"}),
+        Defect{"Utf16", "\xff\xfep\0l\0y\0"s, "", "UTF-16"},
+        Defect{"Png", "\x89PNG\r\n\x1a\n", "", "looks like a PNG"},
+        Defect{"Zip", "PK\x03\x04xxxx", "", "spreadsheet"},
+        Defect{"Step", "ISO-10303-21;\nHEADER;\n", "", "looks like a STEP file"}),
     [](const auto& info) { return info.param.name; });
 
 TEST(PliesCsv, RefusesWhatIsNoReadableFile) {

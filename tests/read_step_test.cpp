@@ -1,13 +1,6 @@
 #include "io/step/read_step.h"
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <map>
-#include <random>
-#include <set>
-#include <string>
-#include <vector>
+#include <gtest/gtest.h>
 
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepGProp.hxx>
@@ -26,7 +19,14 @@
 #include <STEPControl_Writer.hxx>
 #include <TColgp_Array1OfPnt.hxx>
 #include <TColgp_Array2OfPnt.hxx>
-#include <gtest/gtest.h>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "geometry/error.h"
 #include "geometry/skin.h"
@@ -49,12 +49,14 @@ void PrintTo(const RealPart& part, std::ostream* out) { *out << part.file; }
 class RealParts : public testing::TestWithParam<RealPart> {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(steps / GetParam().file)) GTEST_SKIP() << "the real parts are not on this machine";
+    if (!std::filesystem::exists(steps / GetParam().file))
+      GTEST_SKIP() << "the real parts are not on this machine";
   }
   const StepModel& model() {
     static std::map<std::string, StepModel> known;
     auto found = known.find(GetParam().file);
-    if (found == known.end()) found = known.emplace(GetParam().file, read_step(steps / GetParam().file)).first;
+    if (found == known.end())
+      found = known.emplace(GetParam().file, read_step(steps / GetParam().file)).first;
     return found->second;
   }
 };
@@ -72,7 +74,8 @@ Box box_of_boundary(const Part& part) {
     for (const Loop& loop : face.loops) {
       for (const Coedge& c : loop.coedges) {
         for (int k = 0; k <= 20; ++k) {
-          const Vec3 p = face.surface.point(c.pcurve.point(c.pcurve.first() + (c.pcurve.last() - c.pcurve.first()) * k / 20));
+          const Vec3 p = face.surface.point(
+              c.pcurve.point(c.pcurve.first() + (c.pcurve.last() - c.pcurve.first()) * k / 20));
           box.lo = box.lo.cwiseMin(p), box.hi = box.hi.cwiseMax(p);
         }
       }
@@ -133,7 +136,8 @@ void expect_sound(const Part& part) {
       const auto& coedges = face.loops[l].coedges;
       for (std::size_t i = 0; i < coedges.size(); ++i) {
         // Poles at the ends are set equal: rounding of the evaluation is left.
-        EXPECT_LE((end_of(coedges[i]) - start_of(coedges[(i + 1) % coedges.size()])).norm(), 1e-13 * (1 + hi.norm() + lo.norm()));
+        EXPECT_LE((end_of(coedges[i]) - start_of(coedges[(i + 1) % coedges.size()])).norm(),
+                  1e-13 * (1 + hi.norm() + lo.norm()));
       }
       if (l == 0) {
         EXPECT_GT(area_of(face.loops[l]), 0);
@@ -152,7 +156,8 @@ void expect_sound(const Part& part) {
     ASSERT_EQ(a.last(), b.last());
     for (int k = 0; k < 20; ++k) {
       const double t = a.first() + (a.last() - a.first()) * unit(random);
-      const double gap = (uses[0].face->surface.point(a.point(t)) - uses[1].face->surface.point(b.point(t))).norm();
+      const double gap =
+          (uses[0].face->surface.point(a.point(t)) - uses[1].face->surface.point(b.point(t))).norm();
       // The tolerance is the greatest of samples and a tenth more: a random point may lie a little above.
       EXPECT_LE(gap, 1.3 * part.edges[e].tolerance_mm + 1e-9) << "edge " << e;
     }
@@ -164,7 +169,8 @@ void expect_sound(const Part& part) {
 /// derivatives of an interpolant of degree 9 are within 2 * 81 / h, and 2 * 81 * 64 / h^2, of it.
 void expect_same_surface(const Face& face, const TopoDS_Face& oracle) {
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(oracle);
-  const bool interpolated = face.surface.kind() == SurfaceKind::bspline && surface->DynamicType()->Name() != std::string("Geom_BSplineSurface") &&
+  const bool interpolated = face.surface.kind() == SurfaceKind::bspline &&
+                            surface->DynamicType()->Name() != std::string("Geom_BSplineSurface") &&
                             surface->DynamicType()->Name() != std::string("Geom_BezierSurface");
   Uv lo, hi;
   uv_box(face, lo, hi);
@@ -185,9 +191,11 @@ void expect_same_surface(const Face& face, const TopoDS_Face& oracle) {
     const double degree = spline ? std::max(spline->degree_u, spline->degree_v) : 1;
     const double rounding = 2e-15 * d.S.norm();
     const double point = 1e-9 + 2e-13 * d.S.norm();
-    const double first = 1e-9 + rounding * 2 * degree * degree / span + (interpolated ? point * 2 * 81 / h : 0);
+    const double first =
+        1e-9 + rounding * 2 * degree * degree / span + (interpolated ? point * 2 * 81 / h : 0);
     const double second = 1e-9 + 1e-13 * (d.Suu.norm() + d.Suv.norm() + d.Svv.norm()) +
-                          rounding * 4 * std::pow(degree, 4) / (span * span) + (interpolated ? point * 2 * 81 * 64 / (h * h) : 0);
+                          rounding * 4 * std::pow(degree, 4) / (span * span) +
+                          (interpolated ? point * 2 * 81 * 64 / (h * h) : 0);
     const auto off = [](const Vec3& a, double x, double y, double z) { return (a - Vec3(x, y, z)).norm(); };
     EXPECT_LE(off(d.S, p.X(), p.Y(), p.Z()), point) << uv.transpose();
     EXPECT_LE(off(d.Su, du.X(), du.Y(), du.Z()), first) << uv.transpose();
@@ -243,32 +251,40 @@ TEST_P(RealParts, SurfacesAreThoseOfOpenCascade) {
   EXPECT_GT(2 * compared, GetParam().solids > 10 ? 0 : GetParam().faces);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, RealParts,
-    testing::Values(RealPart{"tigl_nacelle.stp", 6, 0, 1, 2599.82}, RealPart{"iea15mw_blade_cfd.stp", 3, 0, 3, 117},
-                    RealPart{"caddee_simple_wing_foot.stp", 12, 0, 0, 5486}, RealPart{"openvsp_fish_m.stp", 8, 0, 0, 1000},
-                    RealPart{"goteborg_hull_m.step", 3, 0, 3, 6120}, RealPart{"esp_closebody_m.stp", 5, 0, 1, 4688.8},
-                    RealPart{"volmdlr_aircraft_engine.step", 57, 1, 1, 5483}, RealPart{"aeroshape_box_wing.step", 6, 0, 2, 10.52},
-                    RealPart{"turbo3d_impeller.step", 92, 11, 11, 116.01}, RealPart{"brl_rhino_primitives_m.stp", 8, 0, 4, 70000},
-                    RealPart{"cax_s1_head_rational_pole.stp", 5, 1, 1, 120}, RealPart{"cax_s1_mainbody_back_inch.stp", 31, 1, 1, 146},
-                    RealPart{"ncc_compost_x_test_141.stp", 3, 0, 1, 236.4}, RealPart{"jpl_horn_ap242.stp", 111, 10, 11, 273.88},
-                    RealPart{"occt_conical_surface.step", 5, 1, 1, 27.04},
-                    RealPart{"micro_ap214_vertex_loop_spline_pole.stp", 1, 0, 1, 10},
-                    RealPart{"micro_ap214_periodic_band_with_hole.stp", 1, 0, 1, 20},
-                    RealPart{"micro_ap214_offset_revolution.stp", 1, 0, 1, 22},
-                    RealPart{"micro_ap214_nurbs_native_seam.stp", 1, 0, 1, 20},
-                    RealPart{"malformed/no_freeform_as1_assembly.stp", 160, 18, 18, 200}),
-    [](const auto& info) {
-      std::string name = std::filesystem::path(info.param.file).stem().string();
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(All, RealParts,
+                         testing::Values(RealPart{"tigl_nacelle.stp", 6, 0, 1, 2599.82},
+                                         RealPart{"iea15mw_blade_cfd.stp", 3, 0, 3, 117},
+                                         RealPart{"caddee_simple_wing_foot.stp", 12, 0, 0, 5486},
+                                         RealPart{"openvsp_fish_m.stp", 8, 0, 0, 1000},
+                                         RealPart{"goteborg_hull_m.step", 3, 0, 3, 6120},
+                                         RealPart{"esp_closebody_m.stp", 5, 0, 1, 4688.8},
+                                         RealPart{"volmdlr_aircraft_engine.step", 57, 1, 1, 5483},
+                                         RealPart{"aeroshape_box_wing.step", 6, 0, 2, 10.52},
+                                         RealPart{"turbo3d_impeller.step", 92, 11, 11, 116.01},
+                                         RealPart{"brl_rhino_primitives_m.stp", 8, 0, 4, 70000},
+                                         RealPart{"cax_s1_head_rational_pole.stp", 5, 1, 1, 120},
+                                         RealPart{"cax_s1_mainbody_back_inch.stp", 31, 1, 1, 146},
+                                         RealPart{"ncc_compost_x_test_141.stp", 3, 0, 1, 236.4},
+                                         RealPart{"jpl_horn_ap242.stp", 111, 10, 11, 273.88},
+                                         RealPart{"occt_conical_surface.step", 5, 1, 1, 27.04},
+                                         RealPart{"micro_ap214_vertex_loop_spline_pole.stp", 1, 0, 1, 10},
+                                         RealPart{"micro_ap214_periodic_band_with_hole.stp", 1, 0, 1, 20},
+                                         RealPart{"micro_ap214_offset_revolution.stp", 1, 0, 1, 22},
+                                         RealPart{"micro_ap214_nurbs_native_seam.stp", 1, 0, 1, 20},
+                                         RealPart{"malformed/no_freeform_as1_assembly.stp", 160, 18, 18,
+                                                  200}),
+                         [](const auto& info) {
+                           std::string name = std::filesystem::path(info.param.file).stem().string();
+                           return name;
+                         });
 
 #define NEEDS(file) \
   if (!std::filesystem::exists(steps / (file))) GTEST_SKIP() << "the real parts are not on this machine"
 
 TEST(ReadStep, NormalsOfSolidsPointOut) {
   NEEDS("cax_s1_head_rational_pole.stp");
-  for (const char* file : {"cax_s1_head_rational_pole.stp", "occt_conical_surface.step", "cax_s1_mainbody_back_inch.stp"}) {
+  for (const char* file :
+       {"cax_s1_head_rational_pole.stp", "occt_conical_surface.step", "cax_s1_mainbody_back_inch.stp"}) {
     SCOPED_TRACE(file);
     GProp_GProps properties;
     BRepGProp::VolumeProperties(test::read_with_occt(steps / file).shape, properties);
@@ -282,7 +298,8 @@ TEST(ReadStep, SewsLooseFacesAndTurnsThemOutward) {
   const StepModel model = read_step(steps / "openvsp_fish_m.stp");
   EXPECT_EQ(model.sewn_edges, 12);
   EXPECT_LT(model.greatest_sewn_gap_mm, 1e-9);
-  for (const auto& uses : uses_of_edges(model.part)) EXPECT_TRUE(uses.size() == 2 || uses[0].coedge->pcurve.degree == 1);
+  for (const auto& uses : uses_of_edges(model.part))
+    EXPECT_TRUE(uses.size() == 2 || uses[0].coedge->pcurve.degree == 1);
   EXPECT_GT(volume_by_flux(model.part), 0);
 }
 
@@ -346,13 +363,16 @@ TEST(ReadStep, SameResultWithoutIsolation) {
 /// interpolated B-spline follows OpenCASCADE's own evaluation in the same parameters.
 class OtherKinds : public testing::Test {
  protected:
-  void expect_read(const Handle(Geom_Surface)& surface, double u0, double u1, double v0, double v1, SurfaceKind kind) {
+  void expect_read(const Handle(Geom_Surface)& surface, double u0, double u1, double v0, double v1,
+                   SurfaceKind kind) {
     const test::TemporaryDirectory directory;
     const std::string path = directory / "part.step";
     {
       const test::HushedCout hushed;
       STEPControl_Writer writer;
-      ASSERT_EQ(writer.Transfer(BRepBuilderAPI_MakeFace(surface, u0, u1, v0, v1, 1e-7).Face(), STEPControl_AsIs), IFSelect_RetDone);
+      ASSERT_EQ(
+          writer.Transfer(BRepBuilderAPI_MakeFace(surface, u0, u1, v0, v1, 1e-7).Face(), STEPControl_AsIs),
+          IFSelect_RetDone);
       ASSERT_EQ(writer.Write(path.c_str()), IFSelect_RetDone);
     }
     const StepModel model = read_step(path);
@@ -366,7 +386,8 @@ class OtherKinds : public testing::Test {
 
   static Handle(Geom_Curve) meridian() {
     TColgp_Array1OfPnt poles(1, 4);
-    poles(1) = gp_Pnt(100, 0, 0), poles(2) = gp_Pnt(160, 0, 80), poles(3) = gp_Pnt(90, 0, 200), poles(4) = gp_Pnt(120, 0, 300);
+    poles(1) = gp_Pnt(100, 0, 0), poles(2) = gp_Pnt(160, 0, 80), poles(3) = gp_Pnt(90, 0, 200),
+    poles(4) = gp_Pnt(120, 0, 300);
     return new Geom_BezierCurve(poles);
   }
 };
@@ -379,7 +400,8 @@ TEST_F(OtherKinds, RevolutionOverAPart) {
 }
 TEST_F(OtherKinds, ExtrusionOfAnEllipse) {
   const Handle(Geom_Ellipse) ellipse = new Geom_Ellipse(gp::XOY(), 300, 100);
-  expect_read(new Geom_SurfaceOfLinearExtrusion(ellipse, gp_Dir(0.3, 0, 1)), 0, 2 * pi, 0, 500, SurfaceKind::bspline);
+  expect_read(new Geom_SurfaceOfLinearExtrusion(ellipse, gp_Dir(0.3, 0, 1)), 0, 2 * pi, 0, 500,
+              SurfaceKind::bspline);
 }
 TEST_F(OtherKinds, OffsetOfARevolution) {
   const Handle(Geom_Surface) basis = new Geom_SurfaceOfRevolution(meridian(), gp::OZ());

@@ -1,10 +1,10 @@
 // Joining edges, matching curves and interpolating surfaces: plain geometry, without OpenCASCADE.
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include <gtest/gtest.h>
 
 #include "geometry/skin.h"
 #include "io/step/interpolate.h"
@@ -46,7 +46,10 @@ TEST(SplitCurve, PartsAreTheCurve) {
 }
 
 TEST(InterpolateSurface, AnalyticSurfacesWithinTheTolerance) {
-  const auto torus = [](double u, double v) { return Vec3((400 + 90 * std::cos(v)) * std::cos(u), (400 + 90 * std::cos(v)) * std::sin(u), 90 * std::sin(v)); };
+  const auto torus = [](double u, double v) {
+    return Vec3((400 + 90 * std::cos(v)) * std::cos(u), (400 + 90 * std::cos(v)) * std::sin(u),
+                90 * std::sin(v));
+  };
   const SurfaceInterpolation made = interpolate_surface(torus, {0, 2 * pi}, {-1, 2}, 1e-9);
   EXPECT_LE(made.error, 1e-9);
   const Surface surface = Surface::bspline(made.spline);
@@ -99,7 +102,9 @@ TEST(InParametersOf, OneCircleTwoParametrisations) {
 TEST(InParametersOf, APoorImageIsMadeAnew) {
   const Surface cylinder = Surface::cylinder({}, 100);
   const BSplineCurve2 truth = line_segment({0, 0}, {1, 50});
-  const BSplineCurve2 poor = interpolate_curve([](double t) { return Uv(t, 50 * t + std::sin(pi * t)); }, {0, 1}, [](double, double) { return 1e-12; }).curve;
+  const BSplineCurve2 poor = interpolate_curve([](double t) { return Uv(t, 50 * t + std::sin(pi * t)); },
+                                               {0, 1}, [](double, double) { return 1e-12; })
+                                 .curve;
   const SpaceCurve a{&cylinder, &truth};
   EXPECT_GT(greatest_gap(a, {&cylinder, &poor}).distance, 0.5);
   const BSplineCurve2 better = in_parameters_of(a, {&cylinder, &poor}, false);
@@ -159,7 +164,8 @@ TEST(JoinEdges, OtherSolidsStayApart) {
 /// A long edge with two shorter ones along it: it is cut where they meet.
 TEST(JoinEdges, TJunction) {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY();
-  StepModel model = loose({sheet({0, 0, 0}, x, y, 1000, 500), sheet({0, 500, 0}, x, y, 400, 300), sheet({400, 500, 0}, x, y, 600, 300)});
+  StepModel model = loose({sheet({0, 0, 0}, x, y, 1000, 500), sheet({0, 500, 0}, x, y, 400, 300),
+                           sheet({400, 500, 0}, x, y, 600, 300)});
   join_edges(model, {-1, -1, -1}, 0.1);
   EXPECT_EQ(model.sewn_edges, 3);
   EXPECT_EQ(model.part.faces[0].loops[0].coedges.size(), 5u);
@@ -175,7 +181,8 @@ TEST(JoinEdges, TJunction) {
 TEST(JoinEdges, NormalsAgreeAfterwards) {
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY();
   // The second of three has its normal down.
-  StepModel model = loose({sheet({0, 0, 0}, x, y, 100, 100), sheet({100, 100, 0}, -x, y, 100, 100), sheet({0, 200, 0}, x, y, 100, 100)});
+  StepModel model = loose({sheet({0, 0, 0}, x, y, 100, 100), sheet({100, 100, 0}, -x, y, 100, 100),
+                           sheet({0, 200, 0}, x, y, 100, 100)});
   join_edges(model, {-1, -1, -1}, 0.1);
   EXPECT_EQ(model.sewn_edges, 2);
   EXPECT_FALSE(model.part.faces[0].reversed);
@@ -186,7 +193,8 @@ TEST(JoinEdges, NormalsAgreeAfterwards) {
 /// Two half cylinders make a tube, although each of their edges could also be taken for the other's.
 TEST(JoinEdges, HalvesOfATube) {
   const Surface cylinder = Surface::cylinder({}, 80);
-  StepModel model = loose({make_rectangular_face(cylinder, {0, pi}, {0, 300}), make_rectangular_face(cylinder, {pi, 2 * pi}, {0, 300})});
+  StepModel model = loose({make_rectangular_face(cylinder, {0, pi}, {0, 300}),
+                           make_rectangular_face(cylinder, {pi, 2 * pi}, {0, 300})});
   join_edges(model, {-1, -1}, -1);
   EXPECT_EQ(model.sewn_edges, 2);
   EXPECT_LE(model.greatest_sewn_gap_mm, 1e-12);
@@ -209,14 +217,16 @@ TEST(PartCodec, RoundTripAndBrokenBytes) {
   const PlainModel back = decode(bytes);
   EXPECT_EQ(encode(back), bytes);
   EXPECT_EQ(back.faces[0].loops[0].coedges[0].pcurve.poles, wavy().poles);
-  for (std::size_t cut = 0; cut < bytes.size(); cut += 7) EXPECT_ANY_THROW(decode(std::string_view(bytes).substr(0, cut)));
+  for (std::size_t cut = 0; cut < bytes.size(); cut += 7)
+    EXPECT_ANY_THROW(decode(std::string_view(bytes).substr(0, cut)));
   EXPECT_ANY_THROW(decode(bytes + "x"));
 }
 
 TEST(Sha256, KnownAnswers) {  // FIPS 180-4 examples
   EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(sha256_hex(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  EXPECT_EQ(sha256_hex(std::string(1000000, 'a')),
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
 }  // namespace

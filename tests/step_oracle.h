@@ -2,12 +2,6 @@
 
 // OpenCASCADE's own reading of a STEP file, for tests: another path through the library than io/step takes.
 
-#include <filesystem>
-#include <iostream>
-#include <map>
-#include <sstream>
-#include <string>
-
 #include <BRep_Tool.hxx>
 #include <Geom_Surface.hxx>
 #include <Interface_Static.hxx>
@@ -22,6 +16,11 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <sstream>
+#include <string>
 
 namespace afptraj::test {
 
@@ -54,7 +53,8 @@ inline OracleModel read_with_occt(const std::filesystem::path& path) {
   std::map<const TopoDS_TShape*, int> ids;
   for (int i = 1; i <= process->NbMapped(); ++i) {
     const Handle(Standard_Transient) entity = process->Mapped(i);
-    if (!entity->IsKind(STANDARD_TYPE(StepShape_Face)) && !entity->IsKind(STANDARD_TYPE(StepGeom_Surface))) continue;
+    if (!entity->IsKind(STANDARD_TYPE(StepShape_Face)) && !entity->IsKind(STANDARD_TYPE(StepGeom_Surface)))
+      continue;
     const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
     if (shape.IsNull() || shape.ShapeType() != TopAbs_FACE) continue;
     int& id = ids[shape.TShape().get()];

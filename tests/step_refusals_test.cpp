@@ -1,5 +1,6 @@
 // What read_step refuses, with which code, and for the stated reason.
 
+#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,8 +12,6 @@
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
 #include "geometry/error.h"
 #include "io/step/isolate.h"
 #include "io/step/read_step.h"
@@ -23,7 +22,8 @@ namespace afptraj {
 namespace {
 
 const std::filesystem::path steps = std::filesystem::path(AFPTRAJ_SHARED_DIR) / "data" / "steps";
-const std::filesystem::path sample = std::filesystem::path(AFPTRAJ_SOURCE_DIR) / "samples" / "panel" / "part.step";
+const std::filesystem::path sample =
+    std::filesystem::path(AFPTRAJ_SOURCE_DIR) / "samples" / "panel" / "part.step";
 
 /// The error that reading gives, as "code where: message"; "" when it reads.
 std::string outcome(const std::filesystem::path& path, const StepReadOptions& options = {}) {
@@ -37,7 +37,8 @@ std::string outcome(const std::filesystem::path& path, const StepReadOptions& op
 
 void expect_refused(const std::string& result, int code, const std::vector<std::string>& words) {
   EXPECT_EQ(result.substr(0, result.find(' ')), std::to_string(code)) << result;
-  for (const std::string& word : words) EXPECT_NE(result.find(word), std::string::npos) << word << " in: " << result;
+  for (const std::string& word : words)
+    EXPECT_NE(result.find(word), std::string::npos) << word << " in: " << result;
   EXPECT_EQ(result.find('\n'), std::string::npos) << "one line: " << result;
   EXPECT_NE(result.find(';'), std::string::npos) << "says what to do: " << result;
 }
@@ -87,7 +88,8 @@ TEST_F(Refusals, OtherContent) {
   std::string binary(84 + 50, 'x');
   binary[80] = 1, binary[81] = binary[82] = binary[83] = 0;
   expect_refused(result(binary), 3, {"binary STL"});
-  expect_refused(result("version https://git-lfs.github.com/spec/v1\noid sha256:00\n"), 3, {"Git LFS", "git lfs pull"});
+  expect_refused(result("version https://git-lfs.github.com/spec/v1\noid sha256:00\n"), 3,
+                 {"Git LFS", "git lfs pull"});
   expect_refused(result(std::string(72, ' ') + "S      1\n"), 3, {"IGES"});
   expect_refused(result("hello world"), 3, {"ISO-10303-21"});
   expect_refused(result("\xff\xfeI\0S\0O\0"s), 3, {"UTF-16", "iconv"});
@@ -107,7 +109,8 @@ TEST_F(Refusals, BrokenText) {
   expect_refused(result(text.substr(0, text.size() * 6 / 10)), 3, {"cut off"});
   expect_refused(result(text.substr(0, text.rfind("END-ISO"))), 3, {"END-ISO-10303-21"});
   expect_refused(result(text.substr(0, text.find("DATA;")) + "END-ISO-10303-21;\n"), 3, {"DATA"});
-  expect_refused(result(text.substr(0, text.find("DATA;")) + "DATA;\nENDSEC;\nEND-ISO-10303-21;\n"), 3, {"empty DATA"});
+  expect_refused(result(text.substr(0, text.find("DATA;")) + "DATA;\nENDSEC;\nEND-ISO-10303-21;\n"), 3,
+                 {"empty DATA"});
   expect_refused(result(replaced(text, "PRODUCT('panel 1'", "PRODUCT('panel 1")), 3, {":"});
   expect_refused(result(replaced(text, "#17 = ", "/* #17 = ")), 3, {"comment"});
   expect_refused(result(replaced(text, "(0.,0.,0.)", "(0.,NaN,0.)")), 3, {"part.step:", "NaN"});
@@ -175,7 +178,8 @@ TEST_F(Refusals, MissingUnitIsAssumedAndSaid) {
   options.unit_override = "m";
   const StepModel metres = read_step(directory_ / "nounit.step", options);
   const Face &a = model.part.faces[0], &b = metres.part.faces[0];
-  const Uv uv(0.5 * (a.surface.domain_u().lo + a.surface.domain_u().hi), 0.5 * (a.surface.domain_v().lo + a.surface.domain_v().hi));
+  const Uv uv(0.5 * (a.surface.domain_u().lo + a.surface.domain_u().hi),
+              0.5 * (a.surface.domain_v().lo + a.surface.domain_v().hi));
   EXPECT_LE((1000 * a.surface.point(uv) - b.surface.point(uv)).norm(), 1e-6);
 }
 
@@ -185,7 +189,8 @@ TEST_F(Refusals, DanglingReferencesAreNamed) {
   if (refused.empty()) {
     const StepModel model = read_step(directory_ / "part.step");
     bool said = false;
-    for (const std::string& warning : model.warnings) said = said || warning.find("#987654") != std::string::npos;
+    for (const std::string& warning : model.warnings)
+      said = said || warning.find("#987654") != std::string::npos;
     EXPECT_TRUE(said);
   } else {
     expect_refused(refused, 3, {"#987654"});
@@ -194,7 +199,8 @@ TEST_F(Refusals, DanglingReferencesAreNamed) {
 
 /// OpenCASCADE 7.6 recurses without end on an oriented edge that is its own element.
 TEST_F(Refusals, ACrashOfTheImporterIsAnError) {
-  const std::string text = replaced(panel(), "#20 = ORIENTED_EDGE('',*,*,#21,.F.)", "#20 = ORIENTED_EDGE('',*,*,#20,.F.)");
+  const std::string text =
+      replaced(panel(), "#20 = ORIENTED_EDGE('',*,*,#21,.F.)", "#20 = ORIENTED_EDGE('',*,*,#20,.F.)");
   expect_refused(result(text), 6, {"died with signal 11", "#20 = ORIENTED_EDGE", "refers to itself"});
   // And nothing is left behind: the next file reads, no child waits to be collected.
   EXPECT_EQ(result(panel()), "");
@@ -214,13 +220,24 @@ TEST_F(Refusals, RandomDamage) {
     for (int k = 0; k < 3; ++k) {
       const std::size_t line = damaged.rfind('\n', data + pick(damaged.size() - data - 100));
       const std::size_t end = damaged.find('\n', line + 1);
-      const std::size_t hash = damaged.find('#', line + 2), digit = damaged.find_first_of("0123456789", line + 4);
+      const std::size_t hash = damaged.find('#', line + 2),
+                        digit = damaged.find_first_of("0123456789", line + 4);
       switch (pick(5)) {
-        case 0: damaged.erase(line, end - line); break;
-        case 1: damaged.insert(line, damaged.substr(line, end - line)); break;
-        case 2: damaged.replace(hash, 3, "#" + std::to_string(1 + pick(99))); break;
-        case 3: damaged.replace(digit, 1, std::to_string(pick(1000000))); break;
-        default: damaged[line + 1 + pick(end - line)] = static_cast<char>(32 + pick(95)); break;
+        case 0:
+          damaged.erase(line, end - line);
+          break;
+        case 1:
+          damaged.insert(line, damaged.substr(line, end - line));
+          break;
+        case 2:
+          damaged.replace(hash, 3, "#" + std::to_string(1 + pick(99)));
+          break;
+        case 3:
+          damaged.replace(digit, 1, std::to_string(pick(1000000)));
+          break;
+        default:
+          damaged[line + 1 + pick(end - line)] = static_cast<char>(32 + pick(95));
+          break;
       }
     }
     const std::string answer = result(damaged, options);
@@ -236,7 +253,8 @@ TEST(Isolation, HandsOverBytesAndErrors) {
   const std::string large(5000000, 'x');
   EXPECT_EQ(run_isolated("f", {}, [&] { return large; }), large);
   try {
-    run_isolated("f", {}, []() -> std::string { throw Error(ErrorCode::bad_input, "f:#12", "is wrong; mend it"); });
+    run_isolated("f", {},
+                 []() -> std::string { throw Error(ErrorCode::bad_input, "f:#12", "is wrong; mend it"); });
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::bad_input);
@@ -277,7 +295,8 @@ TEST(Isolation, ToldToStop) {
 TEST(Isolation, MemoryRunsOut) {
   step::IsolationLimits limits;
   limits.memory_bytes = std::uint64_t{256} << 20;
-  expect_refused(isolated_outcome(limits, [] { return std::string(std::size_t{1} << 30, 'x'); }), 6, {"256 MiB", "memory"});
+  expect_refused(isolated_outcome(limits, [] { return std::string(std::size_t{1} << 30, 'x'); }), 6,
+                 {"256 MiB", "memory"});
 }
 
 TEST(Isolation, Abort) {
@@ -309,14 +328,17 @@ TEST(RealRefusals, TheMalformedFilesGiveTheirReasons) {
   expect_refused(outcome(bad / "gitlfs_pointer.step"), 3, {"Git LFS"});
   expect_refused(outcome(bad / "empty.step"), 3, {"empty"});
   expect_refused(outcome(bad / "iges_renamed.stp"), 3, {"IGES"});
-  expect_refused(outcome(bad / "truncated_60pct_nacelle.stp"), 3, {"truncated_60pct_nacelle.stp:3870", "ENDSEC"});
+  expect_refused(outcome(bad / "truncated_60pct_nacelle.stp"), 3,
+                 {"truncated_60pct_nacelle.stp:3870", "ENDSEC"});
   expect_refused(outcome(bad / "ap209_fem_only.stp"), 3, {"no faces", "FEA_MODEL_3D"});
-  expect_refused(outcome(bad / "assembly_missing_external_parts.stp"), 3, {"other files", "mainbody_asm.stp"});
+  expect_refused(outcome(bad / "assembly_missing_external_parts.stp"), 3,
+                 {"other files", "mainbody_asm.stp"});
 }
 
 TEST(StepTextScan, CountsLinesAndFindsCycles) {
   const std::string text =
-      "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('X'));\nENDSEC;\nDATA;\n#1=A(#2);\n#2=B(#3,'it''s #9 (');\n/* #4 */\n#3=(C(#1)D());\nENDSEC;\n"
+      "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('X'));\nENDSEC;\nDATA;\n#1=A(#2);\n#2=B(#3,'it''s #9 (');\n/* #4 "
+      "*/\n#3=(C(#1)D());\nENDSEC;\n"
       "END-ISO-10303-21;\n";
   const step::StepText scanned = step::check_step_text(text, "f");
   EXPECT_EQ(scanned.schema, "X");

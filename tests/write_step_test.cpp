@@ -1,14 +1,7 @@
 #include "io/step/write_step.h"
 
+#include <gtest/gtest.h>
 #include <sys/resource.h>
-
-#include <cmath>
-#include <csignal>
-#include <cstdlib>
-#include <filesystem>
-#include <map>
-#include <string>
-#include <vector>
 
 #include <Geom_BSplineCurve.hxx>
 #include <Quantity_Color.hxx>
@@ -22,7 +15,13 @@
 #include <XCAFDoc_ColorTool.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
-#include <gtest/gtest.h>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "geometry/error.h"
 #include "tests/step_oracle.h"
@@ -35,7 +34,9 @@ BSplineCurve3 cubic(double from, double to, double y) {
   BSplineCurve3 curve;
   curve.degree = 3;
   curve.knots = {from, from, from, from, 0.5 * (from + to), 0.5 * (from + to), to, to, to, to};
-  for (int i = 0; i < 6; ++i) curve.poles.push_back({from + (to - from) * i / 5, y + 7 * std::sin(1.3 * i + from), 20 * std::cos(from + i / 3.0)});
+  for (int i = 0; i < 6; ++i)
+    curve.poles.push_back(
+        {from + (to - from) * i / 5, y + 7 * std::sin(1.3 * i + from), 20 * std::cos(from + i / 3.0)});
   return curve;
 }
 
@@ -66,13 +67,15 @@ std::string name_of(const TDF_Label& label) {
   return TCollection_AsciiString(name->Get()).ToCString();
 }
 
-void walk(const TDF_Label& label, const std::string& path, const Handle(XCAFDoc_ColorTool)& colours, std::vector<ReadWire>& wires) {
+void walk(const TDF_Label& label, const std::string& path, const Handle(XCAFDoc_ColorTool)& colours,
+          std::vector<ReadWire>& wires) {
   if (XCAFDoc_ShapeTool::IsAssembly(label)) {
     TDF_LabelSequence parts;
     XCAFDoc_ShapeTool::GetComponents(label, parts);
     for (const TDF_Label& part : parts) {
       TDF_Label product;
-      if (XCAFDoc_ShapeTool::GetReferredShape(part, product)) walk(product, path + "/" + name_of(product), colours, wires);
+      if (XCAFDoc_ShapeTool::GetReferredShape(part, product))
+        walk(product, path + "/" + name_of(product), colours, wires);
     }
     return;
   }
@@ -80,7 +83,8 @@ void walk(const TDF_Label& label, const std::string& path, const Handle(XCAFDoc_
   const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
   for (TopExp_Explorer it(shape, TopAbs_EDGE); it.More(); it.Next()) {
     double first, last;
-    wire.curves.push_back(Handle(Geom_BSplineCurve)::DownCast(BRep_Tool::Curve(TopoDS::Edge(it.Current()), first, last)));
+    wire.curves.push_back(
+        Handle(Geom_BSplineCurve)::DownCast(BRep_Tool::Curve(TopoDS::Edge(it.Current()), first, last)));
     for (const XCAFDoc_ColorType type : {XCAFDoc_ColorCurv, XCAFDoc_ColorGen}) {
       for (const TopoDS_Shape& coloured : {it.Current(), shape}) {
         if (!wire.coloured) wire.coloured = colours->GetColor(coloured, type, wire.colour);
@@ -104,7 +108,8 @@ std::vector<ReadWire> read_wires(const std::string& path) {
   reader.Transfer(document);
   TDF_LabelSequence roots;
   XCAFDoc_DocumentTool::ShapeTool(document->Main())->GetFreeShapes(roots);
-  for (const TDF_Label& root : roots) walk(root, name_of(root), XCAFDoc_DocumentTool::ColorTool(document->Main()), result);
+  for (const TDF_Label& root : roots)
+    walk(root, name_of(root), XCAFDoc_DocumentTool::ColorTool(document->Main()), result);
   return result;
 }
 
@@ -157,7 +162,9 @@ TEST_P(WriteStep, SameBytes) {  // (W1)
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemas, WriteStep, testing::Values(StepSchema::ap242, StepSchema::ap214),
-                         [](const auto& info) { return std::string(info.param == StepSchema::ap242 ? "ap242" : "ap214"); });
+                         [](const auto& info) {
+                           return std::string(info.param == StepSchema::ap242 ? "ap242" : "ap214");
+                         });
 
 TEST(WriteStepHeader, TimeComesFromTheEnvironmentOnly) {
   const test::TemporaryDirectory directory;

@@ -337,7 +337,7 @@ void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current,
         const PathFrame at = frame_of(skin, g);
         const double near = 0.9 * options_.spacing_mm;
         if (winds_round(skin, states, at, near) || (level > 0 && !g.outside && too_near(at, laid)) || laid.abreast(at.position, at.normal, at.tangent, near, 0.75 * step + options_.sample_mm) ||
-            (g.s_mm > 2 * step &&
+            (g.s_mm > 2 * options_.sample_mm &&  // past the nodes of the strand it leaves
              current.abreast(at.position, at.normal, at.tangent, 0.5 * options_.spacing_mm, 0.75 * options_.sample_mm))) {
           met = true;
           break;

@@ -1,11 +1,5 @@
 #include "io/step/collect.h"
 
-#include <cmath>
-#include <cstring>
-#include <istream>
-#include <streambuf>
-#include <unordered_map>
-
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRep_Builder.hxx>
 #include <IFSelect_ReturnStatus.hxx>
@@ -33,6 +27,11 @@
 #include <XCAFDoc_ShapeTool.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <cmath>
+#include <cstring>
+#include <istream>
+#include <streambuf>
+#include <unordered_map>
 
 #include "io/step/occt.h"
 #include "io/step/units.h"
@@ -55,10 +54,14 @@ class MemoryBuffer : public std::streambuf {
 
 std::string status_text(IFSelect_ReturnStatus status) {
   switch (status) {
-    case IFSelect_RetVoid: return "nothing in it";
-    case IFSelect_RetError: return "not a STEP file it knows";
-    case IFSelect_RetFail: return "a syntax error";
-    default: return "stopped";
+    case IFSelect_RetVoid:
+      return "nothing in it";
+    case IFSelect_RetError:
+      return "not a STEP file it knows";
+    case IFSelect_RetFail:
+      return "a syntax error";
+    default:
+      return "stopped";
   }
 }
 
@@ -81,7 +84,8 @@ Origins find_origins(const Handle(XSControl_WorkSession)& session, const Handle(
   for (int pass = 0; pass < 2; ++pass) {  // faces first: a surface that stands alone has no face entity
     for (int i = 1; i <= process->NbMapped(); ++i) {
       const Handle(Standard_Transient) entity = process->Mapped(i);
-      if (!entity->IsKind(pass == 0 ? STANDARD_TYPE(StepShape_Face) : STANDARD_TYPE(StepGeom_Surface))) continue;
+      if (!entity->IsKind(pass == 0 ? STANDARD_TYPE(StepShape_Face) : STANDARD_TYPE(StepGeom_Surface)))
+        continue;
       const TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
       if (shape.IsNull() || shape.ShapeType() != TopAbs_FACE) continue;
       Origin origin{model->IdentLabel(entity), ""};
@@ -117,7 +121,8 @@ class FaceCollector {
       : model_(model), origins_(origins), colours_(std::move(colours)) {}
 
   /// All faces of a placed shape, in the order of the file.
-  void add(const TopoDS_Shape& shape, const std::string& instance, const std::optional<std::array<double, 3>>& colour) {
+  void add(const TopoDS_Shape& shape, const std::string& instance,
+           const std::optional<std::array<double, 3>>& colour) {
     instance_ = instance;
     colour_ = colour;
     seen_.Clear();
@@ -137,11 +142,15 @@ class FaceCollector {
         ++model_.shells;
         if (!in_solid) group = model_.groups++;
         break;
-      case TopAbs_FACE: add_face(TopoDS::Face(shape), group, in_solid); return;
+      case TopAbs_FACE:
+        add_face(TopoDS::Face(shape), group, in_solid);
+        return;
       case TopAbs_WIRE:
       case TopAbs_EDGE:
-      case TopAbs_VERTEX: return;
-      default: break;
+      case TopAbs_VERTEX:
+        return;
+      default:
+        break;
     }
     for (TopoDS_Iterator child(shape); child.More(); child.Next()) visit(child.Value(), group, in_solid);
   }
@@ -183,7 +192,9 @@ class FaceCollector {
 class ProductWalk {
  public:
   ProductWalk(const Handle(TDocStd_Document)& document, FaceCollector& faces)
-      : shapes_(XCAFDoc_DocumentTool::ShapeTool(document->Main())), colours_(XCAFDoc_DocumentTool::ColorTool(document->Main())), faces_(faces) {}
+      : shapes_(XCAFDoc_DocumentTool::ShapeTool(document->Main())),
+        colours_(XCAFDoc_DocumentTool::ColorTool(document->Main())),
+        faces_(faces) {}
 
   void walk() {
     TDF_LabelSequence roots;
@@ -200,7 +211,9 @@ class ProductWalk {
   void visit(const TDF_Label& label, const TopLoc_Location& placed, const std::string& path,
              std::optional<std::array<double, 3>> colour, int depth) {
     if (depth > deepest || ++instances_ > most_instances) {
-      throw Error(ErrorCode::resource_limit, path, "the assembly is nested too deep or has too many instances; export only the part to lay on");
+      throw Error(
+          ErrorCode::resource_limit, path,
+          "the assembly is nested too deep or has too many instances; export only the part to lay on");
     }
     if (const auto own = colour_of(label)) colour = own;
     if (!XCAFDoc_ShapeTool::IsAssembly(label)) {
@@ -215,13 +228,15 @@ class ProductWalk {
       if (!XCAFDoc_ShapeTool::GetReferredShape(component, product)) continue;
       std::string name = label_name(component);
       if (name.empty() || name.starts_with("=>")) name = label_name(product);
-      visit(product, placed * XCAFDoc_ShapeTool::GetLocation(component), path.empty() ? name : path + "/" + name, colour, depth + 1);
+      visit(product, placed * XCAFDoc_ShapeTool::GetLocation(component),
+            path.empty() ? name : path + "/" + name, colour, depth + 1);
     }
   }
 
   std::optional<std::array<double, 3>> colour_of(const TDF_Label& label) const {
     Quantity_Color colour;
-    if (colours_->GetColor(label, XCAFDoc_ColorSurf, colour) || colours_->GetColor(label, XCAFDoc_ColorGen, colour)) {
+    if (colours_->GetColor(label, XCAFDoc_ColorSurf, colour) ||
+        colours_->GetColor(label, XCAFDoc_ColorGen, colour)) {
       return to_srgb(colour);
     }
     return std::nullopt;
@@ -239,13 +254,17 @@ class ProductWalk {
     for (std::size_t i = 0; i < text.external_files.size() && i < 3; ++i) {
       names += (i ? ", " : "") + std::string(text.external_files[i]);
     }
-    if (text.external_files.size() > 3) names += " and " + std::to_string(text.external_files.size() - 3) + " more";
-    refuse(where, "is an assembly whose parts are in other files (" + names + "), with no faces of its own; export it as one file, or give one of those");
+    if (text.external_files.size() > 3)
+      names += " and " + std::to_string(text.external_files.size() - 3) + " more";
+    refuse(where, "is an assembly whose parts are in other files (" + names +
+                      "), with no faces of its own; export it as one file, or give one of those");
   }
-  refuse(where, "has no faces to lay on, only " + describe_contents(text) + "; export the part as surfaces or solids (B-rep)");
+  refuse(where, "has no faces to lay on, only " + describe_contents(text) +
+                    "; export the part as surfaces or solids (B-rep)");
 }
 
-void choose_units(const Handle(StepData_StepModel)& model, const std::string& unit_override, SourceModel& result) {
+void choose_units(const Handle(StepData_StepModel)& model, const std::string& unit_override,
+                  SourceModel& result) {
   const LengthUnits units = length_units(model);
   if (!units.names.empty()) {
     result.declared_unit = units.names.front();
@@ -257,11 +276,14 @@ void choose_units(const Handle(StepData_StepModel)& model, const std::string& un
     return;
   }
   if (units.names.empty()) {
-    result.warnings.push_back("the file declares no length unit: millimetres assumed; give the unit of its numbers with --unit if that is wrong");
+    result.warnings.push_back(
+        "the file declares no length unit: millimetres assumed; give the unit of its numbers with --unit if "
+        "that is wrong");
   } else if (units.names.size() > 1) {
     std::string list;
     for (const std::string& name : units.names) list += (list.empty() ? "" : ", ") + name;
-    result.warnings.push_back("the file uses several length units (" + list + "); each part was read in its own");
+    result.warnings.push_back("the file uses several length units (" + list +
+                              "); each part was read in its own");
   }
 }
 
@@ -282,7 +304,10 @@ Handle(TDocStd_Document) transfer_document(STEPCAFControl_Reader& reader, const 
   // A document of its own: without an application no resource files are looked for.
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   XCAFDoc_DocumentTool::Set(document->Main(), Standard_False);
-  if (!reader.Transfer(document)) refuse(where, "has nothing that OpenCASCADE can turn into shapes; export the part as surfaces or solids (B-rep)");
+  if (!reader.Transfer(document))
+    refuse(
+        where,
+        "has nothing that OpenCASCADE can turn into shapes; export the part as surfaces or solids (B-rep)");
   return document;
 }
 
@@ -326,7 +351,8 @@ SourceModel collect_faces(const std::string& bytes, const StepText& text, const 
   std::istream stream(&buffer);
   const IFSelect_ReturnStatus status = reader.ChangeReader().ReadStream("part.step", stream);
   if (status != IFSelect_RetDone) {
-    refuse(where, "cannot be read by OpenCASCADE (" + status_text(status) + ")" + first_line_of_broken_references(text) + "; export it again");
+    refuse(where, "cannot be read by OpenCASCADE (" + status_text(status) + ")" +
+                      first_line_of_broken_references(text) + "; export it again");
   }
   const Handle(XSControl_WorkSession) session = reader.Reader().WS();
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(session->Model());
@@ -342,7 +368,8 @@ SourceModel collect_faces(const std::string& bytes, const StepText& text, const 
   FaceCollector collector(result, origins, all_colours.IsEmpty() ? Handle(XCAFDoc_ColorTool)() : colours);
   ProductWalk(document, collector).walk();
   const TopoDS_Shape plain = reader.Reader().OneShape();
-  if (static_cast<int>(result.faces.size()) < count_faces(plain) && text.count("NEXT_ASSEMBLY_USAGE_OCCURRENCE") == 0) {
+  if (static_cast<int>(result.faces.size()) < count_faces(plain) &&
+      text.count("NEXT_ASSEMBLY_USAGE_OCCURRENCE") == 0) {
     // Shapes that hang on no product are not in the document.
     result.faces.clear();
     result.groups = result.solids = result.shells = 0;
@@ -350,9 +377,12 @@ SourceModel collect_faces(const std::string& bytes, const StepText& text, const 
   }
   if (result.faces.empty()) refuse_without_faces(text, where);
   if (!text.external_files.empty()) {
-    result.warnings.push_back("parts in other files are not read (" + std::string(text.external_files.front()) + (text.external_files.size() > 1 ? ", ..." : "") + ")");
+    result.warnings.push_back("parts in other files are not read (" +
+                              std::string(text.external_files.front()) +
+                              (text.external_files.size() > 1 ? ", ..." : "") + ")");
   }
-  if (!unit_override.empty() && result.declared_unit.empty()) scale_faces(result.faces, result.unit_scale_to_mm);
+  if (!unit_override.empty() && result.declared_unit.empty())
+    scale_faces(result.faces, result.unit_scale_to_mm);
   return result;
 }
 

@@ -2,12 +2,11 @@
 
 // Private to io/step: from the bytes of a STEP file to placed OpenCASCADE faces.
 
+#include <TopoDS_Face.hxx>
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <TopoDS_Face.hxx>
 
 #include "io/step/read_step.h"
 #include "io/step/step_text.h"
@@ -17,7 +16,7 @@ namespace afptraj::step {
 /// A face of the file, placed, in mm.
 struct SourceFace {
   TopoDS_Face face;
-  int group = 0;          ///< faces of one solid, or of one shell or loose set, have one number
+  int group = 0;  ///< faces of one solid, or of one shell or loose set, have one number
   bool in_solid = false;
   std::string name, instance;
   int step_id = 0;

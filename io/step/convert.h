@@ -2,10 +2,9 @@
 
 // Private to io/step: OpenCASCADE geometry as plain geometry, in the same parametrisation.
 
-#include <string>
-
 #include <Geom2d_Curve.hxx>
 #include <Geom_Surface.hxx>
+#include <string>
 
 #include "io/step/part_codec.h"
 

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include <Geom2dAdaptor_Curve.hxx>
 #include <Geom2dConvert.hxx>
 #include <Geom2d_BSplineCurve.hxx>
@@ -8,6 +5,8 @@
 #include <Geom2d_Line.hxx>
 #include <Geom2d_TrimmedCurve.hxx>
 #include <TColStd_Array1OfReal.hxx>
+#include <algorithm>
+#include <cmath>
 
 #include "io/step/convert.h"
 #include "io/step/interpolate.h"
@@ -59,7 +58,8 @@ bool cut_spline(Handle(Geom2d_BSplineCurve) spline, double first, double last, B
                      spline->Multiplicity(spline->NbKnots()) == spline->Degree() + 1;
   if (!whole) spline->Segment(a, b);
   result = from_occt(spline);
-  if (std::abs(result.first() - first) > 2 * slack || std::abs(result.last() - last) > 2 * slack) return false;
+  if (std::abs(result.first() - first) > 2 * slack || std::abs(result.last() - last) > 2 * slack)
+    return false;
   stretch_knots(result, first, last);
   return true;
 }
@@ -92,8 +92,8 @@ BSplineCurve2 convert_pcurve(const Handle(Geom2d_Curve)& given, double first, do
   for (int k = 0; k <= 16; ++k) box.add(to_uv(curve->Value(first + (last - first) * k / 16)));
   const double size = std::max(box.lo.cwiseAbs().maxCoeff(), box.hi.cwiseAbs().maxCoeff());
   const double tolerance = std::max(1e-12 * (box.hi - box.lo).maxCoeff(), 2e-14 * size);
-  return interpolate_curve([&](double t) { return to_uv(curve->Value(t)); }, smooth_intervals(curve, first, last),
-                           [&](double, double) { return tolerance; })
+  return interpolate_curve([&](double t) { return to_uv(curve->Value(t)); },
+                           smooth_intervals(curve, first, last), [&](double, double) { return tolerance; })
       .curve;
 }
 

@@ -1,16 +1,15 @@
 #include "io/step/convert_faces.h"
 
+#include <BRep_Tool.hxx>
+#include <GeomAdaptor_Curve.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <optional>
 #include <utility>
-
-#include <BRep_Tool.hxx>
-#include <GeomAdaptor_Curve.hxx>
-#include <TColStd_Array1OfReal.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
 
 #include "io/step/loop_builder.h"
 #include "io/step/match_edges.h"
@@ -73,11 +72,14 @@ class PcurveRefiner {
     double first = 0, last = 0;
     const Handle(Geom_Curve) curve = BRep_Tool::Curve(coedge.edge, first, last);
     BSplineCurve2& pcurve = coedge.pcurve;
-    if (curve.IsNull() || std::abs(first - pcurve.first()) + std::abs(last - pcurve.last()) > 1e-9 * (last - first)) return;
+    if (curve.IsNull() ||
+        std::abs(first - pcurve.first()) + std::abs(last - pcurve.last()) > 1e-9 * (last - first))
+      return;
     if (!surface_) surface_ = make_surface(plain_);
     const auto point = [&](double t) { return to_vec3(curve->Value(t)); };
     const auto [distance, at] = deviation(pcurve, point);
-    if (distance <= visible_mm || foot_distance(*surface_, point(at), pcurve.point(at)) > 0.3 * distance) return;
+    if (distance <= visible_mm || foot_distance(*surface_, point(at), pcurve.point(at)) > 0.3 * distance)
+      return;
     BSplineCurve2 better = pcurve_of_feet(point, smooth_intervals(curve, first, last), {&*surface_, &pcurve});
     if (deviation(better, point).first <= 0.5 * distance) pcurve = std::move(better);
   }
@@ -94,7 +96,8 @@ class PcurveRefiner {
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
       for (int k = 0; k < pieces; ++k) {
         const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * (k + 0.5) / pieces;
-        if (const double d = (surface_->point(pcurve.point(t)) - point(t)).norm(); d > worst.first) worst = {d, t};
+        if (const double d = (surface_->point(pcurve.point(t)) - point(t)).norm(); d > worst.first)
+          worst = {d, t};
       }
     }
     return worst;
@@ -107,21 +110,26 @@ class PcurveRefiner {
 bool is_sound(const PlainSurface& surface) {
   const auto finite = [](double x) { return std::isfinite(x); };
   bool sound = finite(surface.radius) && finite(surface.second);
-  for (const Vec3* v : {&surface.frame.origin, &surface.frame.x, &surface.frame.y, &surface.frame.z}) sound = sound && v->allFinite();
+  for (const Vec3* v : {&surface.frame.origin, &surface.frame.x, &surface.frame.y, &surface.frame.z})
+    sound = sound && v->allFinite();
   const BSplineSurface& spline = surface.spline;
-  return sound && std::all_of(spline.poles.begin(), spline.poles.end(), [](const Vec3& p) { return p.allFinite(); }) &&
-         std::all_of(spline.weights.begin(), spline.weights.end(), [&](double w) { return finite(w) && w > 0; });
+  return sound &&
+         std::all_of(spline.poles.begin(), spline.poles.end(), [](const Vec3& p) { return p.allFinite(); }) &&
+         std::all_of(spline.weights.begin(), spline.weights.end(),
+                     [&](double w) { return finite(w) && w > 0; });
 }
 
 PlainFace convert_face(const SourceFace& source, EdgeBook& book, std::vector<Repair>& repairs) {
   const gp_Trsf placement = source.face.Location().Transformation();
-  if (std::abs(std::abs(placement.ScaleFactor()) - 1) > 1e-9) throw Error(ErrorCode::bad_input, "", "its instance is scaled");
+  if (std::abs(std::abs(placement.ScaleFactor()) - 1) > 1e-9)
+    throw Error(ErrorCode::bad_input, "", "its instance is scaled");
   RawLoops raw = build_loops(source.face);
   const ConvertedSurface converted = convert_surface(BRep_Tool::Surface(source.face), raw.box);
   if (converted.error_mm > converted.tolerance_mm) {
     repairs.push_back({"its surface is not followed to 1e-9 mm", converted.error_mm});
   }
-  if (!is_sound(converted.surface)) throw Error(ErrorCode::bad_input, "", "its surface has a coordinate or weight that is not a number");
+  if (!is_sound(converted.surface))
+    throw Error(ErrorCode::bad_input, "", "its surface has a coordinate or weight that is not a number");
   PlainFace face;
   face.surface = converted.surface;
   // A mirrored placement turns S_u x S_v but not the mark of the face.
@@ -179,7 +187,8 @@ void convert_faces(const std::vector<SourceFace>& faces, PlainModel& model) {
   for (const SourceFace& source : faces) {
     std::vector<Repair> repairs;
     try {
-      model.faces.push_back(occt_guard(ErrorCode::bad_input, "", "converting a face", [&] { return convert_face(source, book, repairs); }));
+      model.faces.push_back(occt_guard(ErrorCode::bad_input, "", "converting a face",
+                                       [&] { return convert_face(source, book, repairs); }));
     } catch (const Error& error) {
       repairs.assign(1, {std::string("left out: ") + error.what(), 0});
     }
@@ -187,7 +196,8 @@ void convert_faces(const std::vector<SourceFace>& faces, PlainModel& model) {
   }
   log.report(model.head.warnings);
   if (book.crowded() > 0) {
-    model.head.warnings.push_back(std::to_string(book.crowded()) + " uses of edges where more than two faces meet were made free edges");
+    model.head.warnings.push_back(std::to_string(book.crowded()) +
+                                  " uses of edges where more than two faces meet were made free edges");
   }
 }
 

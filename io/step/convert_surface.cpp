@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include <GeomAdaptor_Surface.hxx>
 #include <GeomConvert.hxx>
 #include <Geom_BSplineSurface.hxx>
@@ -12,6 +9,8 @@
 #include <Geom_SphericalSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
 #include <TColStd_Array1OfReal.hxx>
+#include <algorithm>
+#include <cmath>
 
 #include "io/step/convert.h"
 #include "io/step/interpolate.h"
@@ -21,7 +20,8 @@ namespace afptraj::step {
 namespace {
 
 Frame to_frame(const gp_Ax3& axes) {
-  return {to_vec3(axes.Location()), to_vec3(axes.XDirection()), to_vec3(axes.YDirection()), to_vec3(axes.Direction())};
+  return {to_vec3(axes.Location()), to_vec3(axes.XDirection()), to_vec3(axes.YDirection()),
+          to_vec3(axes.Direction())};
 }
 
 /// The kinds that both sides have, with the same formulas.
@@ -110,7 +110,8 @@ ConvertedSurface interpolate(const Handle(Geom_Surface)& surface, const UvBox& b
   const Window u = window(box.lo.x(), box.hi.x(), u0, u1, surface->IsUPeriodic() ? surface->UPeriod() : 0);
   const Window v = window(box.lo.y(), box.hi.y(), v0, v1, surface->IsVPeriodic() ? surface->VPeriod() : 0);
   const GeomAdaptor_Surface adaptor(surface, u.lo, u.hi, v.lo, v.hi);
-  TColStd_Array1OfReal ends_u(1, adaptor.NbUIntervals(GeomAbs_CN) + 1), ends_v(1, adaptor.NbVIntervals(GeomAbs_CN) + 1);
+  TColStd_Array1OfReal ends_u(1, adaptor.NbUIntervals(GeomAbs_CN) + 1),
+      ends_v(1, adaptor.NbVIntervals(GeomAbs_CN) + 1);
   adaptor.UIntervals(ends_u, GeomAbs_CN);
   adaptor.VIntervals(ends_v, GeomAbs_CN);
 
@@ -125,9 +126,10 @@ ConvertedSurface interpolate(const Handle(Geom_Surface)& surface, const UvBox& b
   }
   ConvertedSurface result;
   result.tolerance_mm = std::max(std::min(1e-10 * std::max(1.0, (hi - lo).norm()), 1e-9), 2e-13 * far);
-  SurfaceInterpolation made = interpolate_surface([&](double x, double y) { return to_vec3(surface->Value(x, y)); },
-                                                  breaks_within(ends_u, u.lo, u.hi), breaks_within(ends_v, v.lo, v.hi),
-                                                  0.5 * result.tolerance_mm);  // between the probes it errs a little more
+  SurfaceInterpolation made =
+      interpolate_surface([&](double x, double y) { return to_vec3(surface->Value(x, y)); },
+                          breaks_within(ends_u, u.lo, u.hi), breaks_within(ends_v, v.lo, v.hi),
+                          0.5 * result.tolerance_mm);  // between the probes it errs a little more
   made.spline.periodic_u = u.periodic;
   made.spline.periodic_v = v.periodic;
   result.surface.kind = SurfaceKind::bspline;
@@ -151,7 +153,8 @@ ConvertedSurface convert_surface(const Handle(Geom_Surface)& given, const UvBox&
   ConvertedSurface result;
   if (convert_analytic(surface, result.surface)) return result;
   Handle(Geom_BSplineSurface) spline = Handle(Geom_BSplineSurface)::DownCast(surface);
-  if (surface->IsKind(STANDARD_TYPE(Geom_BezierSurface))) spline = GeomConvert::SurfaceToBSplineSurface(surface);
+  if (surface->IsKind(STANDARD_TYPE(Geom_BezierSurface)))
+    spline = GeomConvert::SurfaceToBSplineSurface(surface);
   if (!spline.IsNull()) {
     result.surface.kind = SurfaceKind::bspline;
     result.surface.spline = from_occt(spline);

@@ -1,13 +1,12 @@
 #include "io/step/interpolate.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
 #include <utility>
-
-#include <Eigen/LU>
 
 namespace afptraj::step {
 namespace {
@@ -91,21 +90,24 @@ double tail(const Matrix& coefficients, int degree) {
 /// What is known of one cell of a surface.
 struct Cell {
   double error = 0;
-  double tail_u = 0, tail_v = 0;      ///< of the two highest orders: the direction to split
+  double tail_u = 0, tail_v = 0;                     ///< of the two highest orders: the direction to split
   std::array<double, top + 1> above_u{}, above_v{};  ///< greatest coefficient above each order
   double size = 0;
 };
 
 using Values = std::array<Matrix, 3>;
 
-Values sample(const std::function<Vec3(double, double)>& point, const std::vector<double>& ts, const std::vector<double>& ss,
-              double u0, double u1, double v0, double v1) {
+Values sample(const std::function<Vec3(double, double)>& point, const std::vector<double>& ts,
+              const std::vector<double>& ss, double u0, double u1, double v0, double v1) {
   Values values;
-  for (Matrix& m : values) m.resize(static_cast<Eigen::Index>(ts.size()), static_cast<Eigen::Index>(ss.size()));
+  for (Matrix& m : values)
+    m.resize(static_cast<Eigen::Index>(ts.size()), static_cast<Eigen::Index>(ss.size()));
   for (std::size_t i = 0; i < ts.size(); ++i) {
     for (std::size_t j = 0; j < ss.size(); ++j) {
       const Vec3 p = point(at(u0, u1, ts[i]), at(v0, v1, ss[j]));
-      for (int k = 0; k < 3; ++k) values[static_cast<std::size_t>(k)](static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = p[k];
+      for (int k = 0; k < 3; ++k)
+        values[static_cast<std::size_t>(k)](static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            p[k];
     }
   }
   return values;
@@ -138,13 +140,15 @@ Cell examine(const std::function<Vec3(double, double)>& point, double u0, double
 template <class Above>
 int sufficient_degree(const std::vector<Cell>& cells, Above above, double rounding) {
   for (int d = 1; d < top; ++d) {
-    if (std::all_of(cells.begin(), cells.end(), [&](const Cell& c) { return (c.*above)[static_cast<std::size_t>(d)] <= rounding; })) return d;
+    if (std::all_of(cells.begin(), cells.end(),
+                    [&](const Cell& c) { return (c.*above)[static_cast<std::size_t>(d)] <= rounding; }))
+      return d;
   }
   return top;
 }
 
-BSplineSurface assemble(const std::function<Vec3(double, double)>& point, const std::vector<double>& us, const std::vector<double>& vs,
-                        int du, int dv) {
+BSplineSurface assemble(const std::function<Vec3(double, double)>& point, const std::vector<double>& us,
+                        const std::vector<double>& vs, int du, int dv) {
   BSplineSurface spline;
   spline.degree_u = du, spline.degree_v = dv;
   spline.knots_u = flat_knots(us, du), spline.knots_v = flat_knots(vs, dv);
@@ -171,8 +175,9 @@ BSplineSurface assemble(const std::function<Vec3(double, double)>& point, const 
 
 }  // namespace
 
-SurfaceInterpolation interpolate_surface(const std::function<Vec3(double, double)>& point, std::vector<double> breaks_u,
-                                         std::vector<double> breaks_v, double tolerance, int max_cells) {
+SurfaceInterpolation interpolate_surface(const std::function<Vec3(double, double)>& point,
+                                         std::vector<double> breaks_u, std::vector<double> breaks_v,
+                                         double tolerance, int max_cells) {
   std::map<std::tuple<double, double, double, double>, Cell> known;
   while (true) {
     std::vector<bool> split_u(breaks_u.size() - 1, false), split_v(breaks_v.size() - 1, false);
@@ -184,7 +189,9 @@ SurfaceInterpolation interpolate_surface(const std::function<Vec3(double, double
         const std::tuple key{breaks_u[i], breaks_u[i + 1], breaks_v[j], breaks_v[j + 1]};
         auto found = known.find(key);
         if (found == known.end()) {
-          found = known.emplace(key, examine(point, breaks_u[i], breaks_u[i + 1], breaks_v[j], breaks_v[j + 1])).first;
+          found =
+              known.emplace(key, examine(point, breaks_u[i], breaks_u[i + 1], breaks_v[j], breaks_v[j + 1]))
+                  .first;
         }
         const Cell& cell = found->second;
         cells.push_back(cell);
@@ -217,9 +224,11 @@ struct CurveCell {
   bool good() const { return error <= allowed; }
 };
 
-Matrix sample_curve(const std::function<Uv(double)>& point, const std::vector<double>& ts, double t0, double t1) {
+Matrix sample_curve(const std::function<Uv(double)>& point, const std::vector<double>& ts, double t0,
+                    double t1) {
   Matrix values(static_cast<Eigen::Index>(ts.size()), 2);
-  for (std::size_t k = 0; k < ts.size(); ++k) values.row(static_cast<Eigen::Index>(k)) = point(at(t0, t1, ts[k])).transpose();
+  for (std::size_t k = 0; k < ts.size(); ++k)
+    values.row(static_cast<Eigen::Index>(k)) = point(at(t0, t1, ts[k])).transpose();
   return values;
 }
 
@@ -245,7 +254,8 @@ CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std
   };
   std::vector<CurveCell> cells;
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) cells.push_back(examine_cell(breaks[i], breaks[i + 1]));
-  while (static_cast<int>(cells.size()) < max_cells && !std::all_of(cells.begin(), cells.end(), [](const CurveCell& c) { return c.good(); })) {
+  while (static_cast<int>(cells.size()) < max_cells &&
+         !std::all_of(cells.begin(), cells.end(), [](const CurveCell& c) { return c.good(); })) {
     std::vector<CurveCell> finer;
     for (CurveCell& cell : cells) {
       if (cell.good()) {
@@ -265,8 +275,10 @@ CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std
   for (const CurveCell& cell : cells) {
     result.error = std::max(result.error, cell.error);
     breaks.push_back(cell.t1);
-    const Matrix poles = low.to_bernstein * (degree == top ? cell.nodes : sample_curve(point, low.nodes, cell.t0, cell.t1));
-    for (int k = result.curve.poles.empty() ? 0 : 1; k <= degree; ++k) result.curve.poles.push_back(poles.row(k).transpose());
+    const Matrix poles =
+        low.to_bernstein * (degree == top ? cell.nodes : sample_curve(point, low.nodes, cell.t0, cell.t1));
+    for (int k = result.curve.poles.empty() ? 0 : 1; k <= degree; ++k)
+      result.curve.poles.push_back(poles.row(k).transpose());
   }
   result.curve.degree = degree;
   result.curve.knots = flat_knots(breaks, degree);

@@ -21,8 +21,9 @@ struct SurfaceInterpolation {
   BSplineSurface spline;
   double error = 0;  ///< greatest sampled distance; above `tolerance` only when `max_cells` was reached
 };
-SurfaceInterpolation interpolate_surface(const std::function<Vec3(double, double)>& point, std::vector<double> breaks_u,
-                                         std::vector<double> breaks_v, double tolerance, int max_cells = 20000);
+SurfaceInterpolation interpolate_surface(const std::function<Vec3(double, double)>& point,
+                                         std::vector<double> breaks_u, std::vector<double> breaks_v,
+                                         double tolerance, int max_cells = 20000);
 
 struct CurveInterpolation {
   BSplineCurve2 curve;
@@ -30,6 +31,7 @@ struct CurveInterpolation {
 };
 /// `tolerance(t0, t1)` is the one for a cell.
 CurveInterpolation interpolate_curve(const std::function<Uv(double)>& point, std::vector<double> breaks,
-                                     const std::function<double(double, double)>& tolerance, int max_cells = 2000);
+                                     const std::function<double(double, double)>& tolerance,
+                                     int max_cells = 2000);
 
 }  // namespace afptraj::step

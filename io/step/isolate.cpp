@@ -1,5 +1,12 @@
 #include "io/step/isolate.h"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -8,13 +15,6 @@
 #include <cstring>
 #include <new>
 #include <optional>
-
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "geometry/error.h"
 
@@ -41,7 +41,8 @@ void set_limit(int resource, rlim_t value) {
 
 void limit_child(const IsolationLimits& limits) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGPIPE, SIGXFSZ}) {
+  for (const int signal :
+       {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGPIPE, SIGXFSZ}) {
     std::signal(signal, SIG_DFL);
   }
 #ifndef AFPTRAJ_ADDRESS_SANITIZER
@@ -81,8 +82,10 @@ std::string pack_error(const Error& error) {
 [[noreturn]] void throw_packed_error(const std::string& body, const std::string& where) {
   const std::size_t a = body.find('\0');
   const std::size_t b = a == std::string::npos ? a : body.find('\0', a + 1);
-  if (b == std::string::npos) throw Error(ErrorCode::internal, where, "the STEP importer sent a broken message");
-  throw Error(static_cast<ErrorCode>(std::atoi(body.c_str())), body.substr(a + 1, b - a - 1), body.substr(b + 1));
+  if (b == std::string::npos)
+    throw Error(ErrorCode::internal, where, "the STEP importer sent a broken message");
+  throw Error(static_cast<ErrorCode>(std::atoi(body.c_str())), body.substr(a + 1, b - a - 1),
+              body.substr(b + 1));
 }
 
 [[noreturn]] void run_child(int fd, const IsolationLimits& limits, const std::function<std::string()>& work) {
@@ -154,7 +157,8 @@ enum class Ending { closed, timeout, stopped };
 /// Collects what the child writes until it closes the pipe, time is up, or it is told to stop.
 Ending receive(int fd, const IsolationLimits& limits, std::string& bytes) {
   using Clock = std::chrono::steady_clock;
-  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(limits.timeout_s, 1e8)));
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(std::min(limits.timeout_s, 1e8)));
   std::string buffer(std::size_t{1} << 20, '\0');
   while (true) {
     if (limits.stop && limits.stop()) return Ending::stopped;
@@ -171,14 +175,22 @@ Ending receive(int fd, const IsolationLimits& limits, std::string& bytes) {
 
 std::string signal_name(int signal) {
   switch (signal) {
-    case SIGSEGV: return "segmentation fault";
-    case SIGABRT: return "abort";
-    case SIGFPE: return "arithmetic fault";
-    case SIGBUS: return "bus error";
-    case SIGILL: return "illegal instruction";
-    case SIGKILL: return "killed, perhaps for want of memory";
-    case SIGXCPU: return "CPU time limit";
-    default: return ::strsignal(signal);
+    case SIGSEGV:
+      return "segmentation fault";
+    case SIGABRT:
+      return "abort";
+    case SIGFPE:
+      return "arithmetic fault";
+    case SIGBUS:
+      return "bus error";
+    case SIGILL:
+      return "illegal instruction";
+    case SIGKILL:
+      return "killed, perhaps for want of memory";
+    case SIGXCPU:
+      return "CPU time limit";
+    default:
+      return ::strsignal(signal);
   }
 }
 
@@ -191,7 +203,8 @@ std::string seconds(double s) {
 
 }  // namespace
 
-std::string run_isolated(const std::string& where, const IsolationLimits& limits, const std::function<std::string()>& work,
+std::string run_isolated(const std::string& where, const IsolationLimits& limits,
+                         const std::function<std::string()>& work,
                          const std::function<std::string()>& diagnose) {
   Child child(where, limits, work);
   std::string bytes;
@@ -201,30 +214,39 @@ std::string run_isolated(const std::string& where, const IsolationLimits& limits
   };
   const std::string reduce = "; export only the faces to lay on, or raise the limit";
   if (ending == Ending::stopped) throw limit_error("reading was interrupted; start it again");
-  if (ending == Ending::timeout) throw limit_error("the STEP importer did not finish within " + seconds(limits.timeout_s) + reduce);
+  if (ending == Ending::timeout)
+    throw limit_error("the STEP importer did not finish within " + seconds(limits.timeout_s) + reduce);
   const int status = child.wait();
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) throw limit_error("reading was interrupted; start it again");
-    if (signal == SIGXCPU) throw limit_error("the STEP importer did not finish within " + seconds(limits.timeout_s) + " of CPU time" + reduce);
+    if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP)
+      throw limit_error("reading was interrupted; start it again");
+    if (signal == SIGXCPU)
+      throw limit_error("the STEP importer did not finish within " + seconds(limits.timeout_s) +
+                        " of CPU time" + reduce);
     const std::string reason = diagnose ? diagnose() : "";
-    throw limit_error("the STEP importer died with signal " + std::to_string(signal) + " (" + signal_name(signal) + ")" +
-                      (reason.empty() ? "" : ": " + reason) + "; the file is damaged or too complex, export it again");
+    throw limit_error("the STEP importer died with signal " + std::to_string(signal) + " (" +
+                      signal_name(signal) + ")" + (reason.empty() ? "" : ": " + reason) +
+                      "; the file is damaged or too complex, export it again");
   }
   std::uint64_t size = 0;
   if (bytes.size() >= 9) std::memcpy(&size, bytes.data() + 1, sizeof size);
   if (bytes.size() < 9 || bytes.size() != 9 + size) {
-    throw limit_error("the STEP importer ended without an answer (exit status " + std::to_string(WEXITSTATUS(status)) +
-                      "); export the file again");
+    throw limit_error("the STEP importer ended without an answer (exit status " +
+                      std::to_string(WEXITSTATUS(status)) + "); export the file again");
   }
   const Tag tag = static_cast<Tag>(bytes[0]);
   bytes.erase(0, 9);
   switch (tag) {
-    case Tag::result: return bytes;
-    case Tag::error: throw_packed_error(bytes, where);
+    case Tag::result:
+      return bytes;
+    case Tag::error:
+      throw_packed_error(bytes, where);
     case Tag::out_of_memory:
-      throw limit_error("the STEP importer needs more than " + std::to_string(limits.memory_bytes >> 20) + " MiB of memory" + reduce);
-    case Tag::unknown: break;
+      throw limit_error("the STEP importer needs more than " + std::to_string(limits.memory_bytes >> 20) +
+                        " MiB of memory" + reduce);
+    case Tag::unknown:
+      break;
   }
   throw Error(ErrorCode::bad_input, where, "the STEP importer failed (" + bytes + "); export the file again");
 }

@@ -20,7 +20,8 @@ struct IsolationLimits {
 /// time. `diagnose` is asked for a reason to add to the message, and may return "".
 ///
 /// The memory limit is not set under AddressSanitizer, which reserves terabytes of addresses.
-std::string run_isolated(const std::string& where, const IsolationLimits& limits, const std::function<std::string()>& work,
+std::string run_isolated(const std::string& where, const IsolationLimits& limits,
+                         const std::function<std::string()>& work,
                          const std::function<std::string()>& diagnose = {});
 
 }  // namespace afptraj::step

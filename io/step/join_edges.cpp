@@ -16,9 +16,13 @@ struct Place {
 };
 
 Coedge& at(Part& part, const Place& p) {
-  return part.faces[static_cast<std::size_t>(p.face)].loops[static_cast<std::size_t>(p.loop)].coedges[static_cast<std::size_t>(p.coedge)];
+  return part.faces[static_cast<std::size_t>(p.face)]
+      .loops[static_cast<std::size_t>(p.loop)]
+      .coedges[static_cast<std::size_t>(p.coedge)];
 }
-const Surface& surface_at(const Part& part, const Place& p) { return part.faces[static_cast<std::size_t>(p.face)].surface; }
+const Surface& surface_at(const Part& part, const Place& p) {
+  return part.faces[static_cast<std::size_t>(p.face)].surface;
+}
 SpaceCurve space_curve(Part& part, const Place& p) { return {&surface_at(part, p), &at(part, p).pcurve}; }
 
 std::vector<std::vector<Place>> uses_of_edges(const Part& part) {
@@ -27,7 +31,8 @@ std::vector<std::vector<Place>> uses_of_edges(const Part& part) {
     for (std::size_t l = 0; l < part.faces[f].loops.size(); ++l) {
       const auto& coedges = part.faces[f].loops[l].coedges;
       for (std::size_t c = 0; c < coedges.size(); ++c) {
-        uses[static_cast<std::size_t>(coedges[c].edge)].push_back({static_cast<int>(f), static_cast<int>(l), static_cast<int>(c)});
+        uses[static_cast<std::size_t>(coedges[c].edge)].push_back(
+            {static_cast<int>(f), static_cast<int>(l), static_cast<int>(c)});
       }
     }
   }
@@ -44,20 +49,25 @@ void reparametrise(Part& part, Place a, Place b, bool opposite) {
   if (opposite) at(part, b).reversed = !at(part, b).reversed;
 }
 
-bool same_domain(const BSplineCurve2& a, const BSplineCurve2& b) { return a.first() == b.first() && a.last() == b.last(); }
+bool same_domain(const BSplineCurve2& a, const BSplineCurve2& b) {
+  return a.first() == b.first() && a.last() == b.last();
+}
 
 /// Puts both uses of every shared edge in one parametrisation; notes the gaps as tolerances.
 double settle_shared_edges(Part& part) {
   // 1e-7 mm is OpenCASCADE's own idea of equal points.
   constexpr double good_mm = 1e-7;
   double greatest = 0;
-  for (std::size_t e = 0; e < part.edges.size(); ++e) part.edges[e].tolerance_mm = std::max(part.edges[e].tolerance_mm, 0.0);
+  for (std::size_t e = 0; e < part.edges.size(); ++e)
+    part.edges[e].tolerance_mm = std::max(part.edges[e].tolerance_mm, 0.0);
   const auto uses = uses_of_edges(part);
   for (std::size_t e = 0; e < uses.size(); ++e) {
     if (uses[e].size() != 2 || part.edges[e].degenerate) continue;
     const Place a = uses[e][0], b = uses[e][1];
     const auto gap = [&] {
-      return same_domain(at(part, a).pcurve, at(part, b).pcurve) ? greatest_gap(space_curve(part, a), space_curve(part, b)).distance : 1e300;
+      return same_domain(at(part, a).pcurve, at(part, b).pcurve)
+                 ? greatest_gap(space_curve(part, a), space_curve(part, b)).distance
+                 : 1e300;
     };
     double distance = gap();
     if (distance > good_mm) {
@@ -122,7 +132,8 @@ class Joiner {
       FreeEdge edge{uses[e][0], sample_curve(space_curve(part_, uses[e][0]))};
       if (edge.samples.length() > 1e-6) free_.push_back(std::move(edge));
     }
-    std::sort(free_.begin(), free_.end(), [](const FreeEdge& a, const FreeEdge& b) { return a.samples.lo.x() < b.samples.lo.x(); });
+    std::sort(free_.begin(), free_.end(),
+              [](const FreeEdge& a, const FreeEdge& b) { return a.samples.lo.x() < b.samples.lo.x(); });
   }
 
   /// Calls visit(i, j), i != j, for edges whose boxes come within the tolerance, in both orders.
@@ -167,7 +178,8 @@ class Joiner {
       if (!cuts[i].empty()) work.push_back({free_[i].place, std::move(cuts[i])});
     }
     // From the back of each loop, so that the places still to come stay right.
-    std::sort(work.begin(), work.end(), [](const auto& a, const auto& b) { return a.first.coedge > b.first.coedge; });
+    std::sort(work.begin(), work.end(),
+              [](const auto& a, const auto& b) { return a.first.coedge > b.first.coedge; });
     for (auto& [place, ts] : work) cut(place, std::move(ts));
     return !work.empty();
   }
@@ -183,14 +195,16 @@ class Joiner {
       const auto& points = other.samples.points;
       const std::size_t n = points.size() - 1;
       int along = 0;
-      for (const std::size_t k : {n / 16, n / 8, n / 4}) along += distance(edge, points[at_start ? k : n - k], unused) <= tolerance;
+      for (const std::size_t k : {n / 16, n / 8, n / 4})
+        along += distance(edge, points[at_start ? k : n - k], unused) <= tolerance;
       if (along == 0) continue;
       cuts.push_back(t);
     }
   }
 
   void cut(const Place& place, std::vector<double> ts) {
-    Loop& loop = part_.faces[static_cast<std::size_t>(place.face)].loops[static_cast<std::size_t>(place.loop)];
+    Loop& loop =
+        part_.faces[static_cast<std::size_t>(place.face)].loops[static_cast<std::size_t>(place.loop)];
     const Coedge whole = loop.coedges[static_cast<std::size_t>(place.coedge)];
     const double least = 1e-6 * (whole.pcurve.last() - whole.pcurve.first());
     std::sort(ts.begin(), ts.end());
@@ -225,8 +239,10 @@ class Joiner {
     });
     std::vector<int> candidates(free_.size(), 0);
     for (const Pair& pair : pairs) ++candidates[pair.a], ++candidates[pair.b];
-    crowded_ = static_cast<int>(std::count_if(candidates.begin(), candidates.end(), [](int n) { return n > 1; }));
-    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
+    crowded_ =
+        static_cast<int>(std::count_if(candidates.begin(), candidates.end(), [](int n) { return n > 1; }));
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
     std::vector<bool> taken(free_.size(), false);
     std::vector<int> joined;
     for (const Pair& pair : pairs) {
@@ -241,7 +257,8 @@ class Joiner {
     const FreeEdge &a = free_[i], &b = free_[j];
     const double tolerance = tolerance_for(a, b);
     const bool along = (a.start() - b.start()).norm() <= tolerance && (a.end() - b.end()).norm() <= tolerance;
-    const bool against = (a.start() - b.end()).norm() <= tolerance && (a.end() - b.start()).norm() <= tolerance;
+    const bool against =
+        (a.start() - b.end()).norm() <= tolerance && (a.end() - b.start()).norm() <= tolerance;
     if (!along && !against) return;
     double worst = 0, t = 0, quarter = 0;
     const auto& points = a.samples.points;
@@ -253,7 +270,8 @@ class Joiner {
     // A closed edge starts where it ends: its quarter point tells the sense.
     const double first = b.samples.t.front(), last = b.samples.t.back();
     const bool opposite = along && against ? quarter - first > last - quarter : against;
-    worst = std::max({worst, (a.start() - (opposite ? b.end() : b.start())).norm(), (a.end() - (opposite ? b.start() : b.end())).norm()});
+    worst = std::max({worst, (a.start() - (opposite ? b.end() : b.start())).norm(),
+                      (a.end() - (opposite ? b.start() : b.end())).norm()});
     pairs.push_back({i, j, opposite, worst, worst / tolerance + turn(a, b)});
   }
 
@@ -335,17 +353,20 @@ void join_edges(StepModel& model, const std::vector<int>& bodies, double toleran
       model.greatest_sewn_gap_mm = joiner.greatest_gap_mm();
       model.greatest_edge_gap_mm = std::max(model.greatest_edge_gap_mm, model.greatest_sewn_gap_mm);
       const OrientResult oriented = orient_faces(model.part, joined);
-      if (oriented.one_sided > 0) model.warnings.push_back("joined faces form a one-sided surface; their normals do not agree");
+      if (oriented.one_sided > 0)
+        model.warnings.push_back("joined faces form a one-sided surface; their normals do not agree");
     }
     if (joiner.crowded() > 0) {
-      model.warnings.push_back(std::to_string(joiner.crowded()) + " free edges have several others within the sewing tolerance of " +
+      model.warnings.push_back(std::to_string(joiner.crowded()) +
+                               " free edges have several others within the sewing tolerance of " +
                                short_number(tolerance) + " mm; the smoothest were joined");
     }
   }
   renumber_edges(model.part);
   constexpr double noticeable_mm = 0.01;
   if (model.greatest_edge_gap_mm > noticeable_mm) {
-    model.warnings.push_back("faces that share an edge lie up to " + short_number(model.greatest_edge_gap_mm) + " mm apart there");
+    model.warnings.push_back("faces that share an edge lie up to " +
+                             short_number(model.greatest_edge_gap_mm) + " mm apart there");
   }
 }
 

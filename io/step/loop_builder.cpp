@@ -1,9 +1,5 @@
 #include "io/step/loop_builder.h"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-
 #include <BRepTools_WireExplorer.hxx>
 #include <BRep_Tool.hxx>
 #include <Precision.hxx>
@@ -13,6 +9,9 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <TopoDS_Wire.hxx>
+#include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "io/step/occt.h"
 
@@ -41,7 +40,8 @@ std::vector<TopoDS_Edge> ordered_edges(const TopoDS_Wire& wire, const TopoDS_Fac
   std::vector<TopoDS_Edge> walked, listed;
   for (TopoDS_Iterator it(wire); it.More(); it.Next()) {
     const TopAbs_Orientation orientation = it.Value().Orientation();
-    if (orientation == TopAbs_FORWARD || orientation == TopAbs_REVERSED) listed.push_back(TopoDS::Edge(it.Value()));
+    if (orientation == TopAbs_FORWARD || orientation == TopAbs_REVERSED)
+      listed.push_back(TopoDS::Edge(it.Value()));
   }
   for (BRepTools_WireExplorer it(wire, face); it.More(); it.Next()) walked.push_back(it.Current());
   return walked.size() == listed.size() ? walked : listed;
@@ -57,7 +57,8 @@ RawCoedge make_coedge(const TopoDS_Edge& edge, const TopoDS_Face& face) {
   if (curve.IsNull() || !(last > first)) {
     throw Error(ErrorCode::bad_input, "", "an edge has no curve in the parameters of its surface");
   }
-  return {convert_pcurve(curve, first, last), edge.Orientation() == TopAbs_REVERSED, BRep_Tool::Degenerated(edge), BRep_Tool::Tolerance(edge), edge};
+  return {convert_pcurve(curve, first, last), edge.Orientation() == TopAbs_REVERSED,
+          BRep_Tool::Degenerated(edge), BRep_Tool::Tolerance(edge), edge};
 }
 
 RawCoedge connector(const Uv& a, const Uv& b, bool degenerate, double tolerance_mm) {
@@ -67,13 +68,15 @@ RawCoedge connector(const Uv& a, const Uv& b, bool degenerate, double tolerance_
 /// Closes the chains of one face.
 class LoopCloser {
  public:
-  LoopCloser(Handle(Geom_Surface) surface, std::vector<Repair>& repairs) : surface_(std::move(surface)), repairs_(repairs) {
+  LoopCloser(Handle(Geom_Surface) surface, std::vector<Repair>& repairs)
+      : surface_(std::move(surface)), repairs_(repairs) {
     if (surface_->IsUPeriodic()) period_.x() = surface_->UPeriod();
     if (surface_->IsVPeriodic()) period_.y() = surface_->VPeriod();
   }
 
   void close(RawLoop& loop) {
-    for (std::size_t i = 1; i < loop.size(); ++i) shift(loop[i], periods(end_of(loop[i - 1]) - start_of(loop[i])));
+    for (std::size_t i = 1; i < loop.size(); ++i)
+      shift(loop[i], periods(end_of(loop[i - 1]) - start_of(loop[i])));
     RawLoop closed;
     for (std::size_t i = 0; i < loop.size(); ++i) {
       closed.push_back(loop[i]);
@@ -109,7 +112,8 @@ class LoopCloser {
     const Uv from = end_of(a), to = start_of(b);
     const double gap = (to - from).norm();
     if (gap == 0) return std::nullopt;
-    const double extent = std::max((a.pcurve.poles.front() - a.pcurve.poles.back()).norm(), (b.pcurve.poles.front() - b.pcurve.poles.back()).norm());
+    const double extent = std::max((a.pcurve.poles.front() - a.pcurve.poles.back()).norm(),
+                                   (b.pcurve.poles.front() - b.pcurve.poles.back()).norm());
     const double gap_mm = reach_mm(from, to);
     const double slack_mm = 3 * std::max({a.tolerance_mm, b.tolerance_mm, Precision::Confusion()});
     const bool wide = gap > 1e-4 * extent;
@@ -125,7 +129,9 @@ class LoopCloser {
   /// Straight pcurves lie on seams and sides: they stay, curved ones give way.
   static void meet(RawCoedge& a, RawCoedge& b) {
     const bool straight_a = a.pcurve.degree == 1, straight_b = b.pcurve.degree == 1;
-    const Uv at = straight_a == straight_b ? Uv(0.5 * (end_of(a) + start_of(b))) : straight_a ? end_of(a) : start_of(b);
+    const Uv at = straight_a == straight_b ? Uv(0.5 * (end_of(a) + start_of(b)))
+                  : straight_a             ? end_of(a)
+                                           : start_of(b);
     end_pole(a) = at;
     start_pole(b) = at;
   }
@@ -187,7 +193,8 @@ RawLoops build_loops(const TopoDS_Face& given) {
   for (TopoDS_Iterator it(face); it.More(); it.Next()) {
     if (it.Value().ShapeType() != TopAbs_WIRE) continue;
     RawLoop loop;
-    for (const TopoDS_Edge& edge : ordered_edges(TopoDS::Wire(it.Value()), face)) loop.push_back(make_coedge(edge, face));
+    for (const TopoDS_Edge& edge : ordered_edges(TopoDS::Wire(it.Value()), face))
+      loop.push_back(make_coedge(edge, face));
     if (loop.empty()) continue;
     closer.close(loop);
     raw.loops.push_back(std::move(loop));

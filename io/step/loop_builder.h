@@ -2,12 +2,11 @@
 
 // Private to io/step: the loops of one OpenCASCADE face as closed chains in (u, v).
 
-#include <string>
-#include <vector>
-
 #include <Geom_Surface.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <string>
+#include <vector>
 
 #include "io/step/convert.h"
 

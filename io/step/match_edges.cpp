@@ -103,11 +103,11 @@ class ParameterMap {
   /// The t that maps to `tau`: regula falsi with the Illinois step (the map is monotonic).
   double inverse(double tau) const {
     double lo = a_.first(), hi = a_.last();
-    double f_lo = (*this)(lo) - tau, f_hi = (*this)(hi) - tau;
+    double f_lo = (*this)(lo)-tau, f_hi = (*this)(hi)-tau;
     if ((f_lo > 0) == (f_hi > 0)) return std::abs(f_lo) < std::abs(f_hi) ? lo : hi;
     for (int k = 0; k < 40 && hi - lo > 1e-14 * (a_.last() - a_.first()); ++k) {
       const double t = std::clamp((f_hi * lo - f_lo * hi) / (f_hi - f_lo), lo, hi);
-      const double f = (*this)(t) - tau;
+      const double f = (*this)(t)-tau;
       if (std::abs(f) <= 1e-14 * (b_.last() - b_.first())) return t;
       if ((f > 0) == (f_hi > 0)) {
         hi = t, f_hi = f, f_lo *= 0.5;
@@ -120,7 +120,8 @@ class ParameterMap {
 
  private:
   double nearest(double t) const {
-    const double part = interpolate_table(samples_a_.t, samples_a_.s, t) / std::max(samples_a_.length(), 1e-300);
+    const double part =
+        interpolate_table(samples_a_.t, samples_a_.s, t) / std::max(samples_a_.length(), 1e-300);
     const double along = (opposite_ ? 1 - part : part) * samples_b_.length();
     return refine_nearest(b_, interpolate_table(samples_b_.s, samples_b_.t, along), a_.point(t));
   }
@@ -137,7 +138,9 @@ BSplineCurve2 affine(const BSplineCurve2& curve, double first, double last, bool
   const double a = curve.first(), b = curve.last();
   for (double& knot : result.knots) {
     const double x = opposite ? (b - knot) / (b - a) : (knot - a) / (b - a);
-    knot = knot == (opposite ? b : a) ? first : knot == (opposite ? a : b) ? last : first + x * (last - first);
+    knot = knot == (opposite ? b : a)   ? first
+           : knot == (opposite ? a : b) ? last
+                                        : first + x * (last - first);
   }
   if (opposite) {
     std::reverse(result.knots.begin(), result.knots.end());
@@ -213,12 +216,14 @@ BSplineCurve2 along_trace(const SpaceCurve& a, const SpaceCurve& b, bool opposit
   breaks = tidy(std::move(breaks), a.first(), a.last());
   BSplineCurve2 curve = interpolate_curve([&](double t) { return b.pcurve->point(map(t)); }, breaks,
                                           [&](double t0, double t1) {
-                                            const double tau0 = std::min(map(t0), map(t1)), tau1 = std::max(map(t0), map(t1));
+                                            const double tau0 = std::min(map(t0), map(t1)),
+                                                         tau1 = std::max(map(t0), map(t1));
                                             return std::max(uv_tolerance_along(b, tau0, tau1), rounding);
                                           },
                                           most_cells)
                             .curve;
-  return with_ends(std::move(curve), b.pcurve->point(opposite ? b.last() : b.first()), b.pcurve->point(opposite ? b.first() : b.last()));
+  return with_ends(std::move(curve), b.pcurve->point(opposite ? b.last() : b.first()),
+                   b.pcurve->point(opposite ? b.first() : b.last()));
 }
 
 }  // namespace
@@ -269,8 +274,8 @@ Gap greatest_gap(const SpaceCurve& a, const SpaceCurve& b) {
 }
 
 BSplineCurve2 in_parameters_of(const SpaceCurve& a, const SpaceCurve& b, bool opposite) {
-  constexpr double good_mm = 1e-9;      // rounding at the size of parts
-  constexpr double visible_mm = 1e-6;   // below this a foot instead of the file's own pcurve brings nothing
+  constexpr double good_mm = 1e-9;     // rounding at the size of parts
+  constexpr double visible_mm = 1e-6;  // below this a foot instead of the file's own pcurve brings nothing
   BSplineCurve2 best = affine(*b.pcurve, a.first(), a.last(), opposite);
   Gap gap = greatest_gap(a, {b.surface, &best});
   if (gap.distance <= good_mm) return best;
@@ -282,7 +287,8 @@ BSplineCurve2 in_parameters_of(const SpaceCurve& a, const SpaceCurve& b, bool op
   };
   const double off_trace = trace_distance(a, b, gap.t);
   if (off_trace < 0.5 * gap.distance) take(along_trace(a, b, opposite), 0.7);
-  if (gap.distance > visible_mm && foot_distance(*b.surface, a.point(gap.t), best.point(gap.t)) < 0.7 * gap.distance) {
+  if (gap.distance > visible_mm &&
+      foot_distance(*b.surface, a.point(gap.t), best.point(gap.t)) < 0.7 * gap.distance) {
     take(pcurve_of_feet([&](double t) { return a.point(t); }, smooth_breaks(a), {b.surface, &best}), 0.7);
   }
   return best;
@@ -292,7 +298,8 @@ double foot_distance(const Surface& surface, const Vec3& point, const Uv& start)
   return (surface.point(foot(surface, point, start)) - point).norm();
 }
 
-BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std::vector<double>& breaks, const SpaceCurve& seed) {
+BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std::vector<double>& breaks,
+                             const SpaceCurve& seed) {
   const Uv first = seed.pcurve->point(seed.first()), last = seed.pcurve->point(seed.last());
   const Uv at_first = first - foot(*seed.surface, curve(seed.first()), first);
   const Uv at_last = last - foot(*seed.surface, curve(seed.last()), last);
@@ -307,8 +314,11 @@ BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std
       const double x = (t - seed.first()) / (seed.last() - seed.first());
       return Uv(foot(*seed.surface, curve(t), start.point(t)) + (1 - x) * at_first + x * at_last);
     };
-    const auto tolerance = [&](double t0, double t1) { return loosen * std::max(uv_tolerance({seed.surface, &start}, t0, t1), rounding); };
-    result = interpolate_curve(feet, tidy(std::move(all), seed.first(), seed.last()), tolerance, most_cells).curve;
+    const auto tolerance = [&](double t0, double t1) {
+      return loosen * std::max(uv_tolerance({seed.surface, &start}, t0, t1), rounding);
+    };
+    result =
+        interpolate_curve(feet, tidy(std::move(all), seed.first(), seed.last()), tolerance, most_cells).curve;
   }
   return with_ends(std::move(result), first, last);
 }
@@ -323,7 +333,8 @@ std::pair<BSplineCurve2, BSplineCurve2> split_curve(const BSplineCurve2& curve, 
     poles.push_back({w * curve.poles[i].x(), w * curve.poles[i].y(), w});
   }
   while (std::count(knots.begin(), knots.end(), t) < p) {
-    const auto k = static_cast<std::size_t>(std::upper_bound(knots.begin(), knots.end(), t) - knots.begin()) - 1;
+    const auto k =
+        static_cast<std::size_t>(std::upper_bound(knots.begin(), knots.end(), t) - knots.begin()) - 1;
     const auto degree = static_cast<std::size_t>(p);
     std::vector<Vec3> finer(poles.size() + 1);
     for (std::size_t i = 0; i < finer.size(); ++i) {
@@ -340,7 +351,8 @@ std::pair<BSplineCurve2, BSplineCurve2> split_curve(const BSplineCurve2& curve, 
     poles = std::move(finer);
     knots.insert(knots.begin() + static_cast<std::ptrdiff_t>(k) + 1, t);
   }
-  const auto begin = static_cast<std::size_t>(std::lower_bound(knots.begin(), knots.end(), t) - knots.begin());
+  const auto begin =
+      static_cast<std::size_t>(std::lower_bound(knots.begin(), knots.end(), t) - knots.begin());
   const auto end = static_cast<std::size_t>(std::upper_bound(knots.begin(), knots.end(), t) - knots.begin());
   const auto build = [&](std::vector<double> ks, std::size_t first, std::size_t count) {
     BSplineCurve2 part;
@@ -358,7 +370,8 @@ std::pair<BSplineCurve2, BSplineCurve2> split_curve(const BSplineCurve2& curve, 
   right.insert(right.begin(), t);
   const std::size_t left_count = left.size() - static_cast<std::size_t>(p) - 1;
   const std::size_t right_count = right.size() - static_cast<std::size_t>(p) - 1;
-  return {build(std::move(left), 0, left_count), build(std::move(right), poles.size() - right_count, right_count)};
+  return {build(std::move(left), 0, left_count),
+          build(std::move(right), poles.size() - right_count, right_count)};
 }
 
 }  // namespace afptraj::step

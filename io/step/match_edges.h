@@ -56,7 +56,8 @@ BSplineCurve2 in_parameters_of(const SpaceCurve& a, const SpaceCurve& b, bool op
 
 /// The pcurve through the feet of the points `curve`(t) on the surface of `seed`, a pcurve near to
 /// it with the same domain whose ends it keeps. `breaks`: where `curve` is not smooth.
-BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std::vector<double>& breaks, const SpaceCurve& seed);
+BSplineCurve2 pcurve_of_feet(const std::function<Vec3(double)>& curve, const std::vector<double>& breaks,
+                             const SpaceCurve& seed);
 
 /// Distance of a point from the surface, by its foot near `start`.
 double foot_distance(const Surface& surface, const Vec3& point, const Uv& start);

@@ -1,10 +1,9 @@
 #include "io/step/occt.h"
 
-#include <iostream>
-
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
+#include <iostream>
 
 namespace afptraj::step {
 

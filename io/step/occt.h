@@ -2,16 +2,15 @@
 
 // Private to io/step: what its files share about OpenCASCADE.
 
-#include <new>
-#include <string>
-#include <utility>
-
 #include <Standard_Failure.hxx>
 #include <Standard_OutOfMemory.hxx>
 #include <gp_Dir.hxx>
 #include <gp_Pnt.hxx>
 #include <gp_Pnt2d.hxx>
 #include <gp_Vec.hxx>
+#include <new>
+#include <string>
+#include <utility>
 
 #include "geometry/error.h"
 #include "geometry/types.h"
@@ -33,8 +32,9 @@ auto occt_guard(ErrorCode code, const std::string& where, const std::string& doi
     throw std::bad_alloc();
   } catch (const Standard_Failure& failure) {
     const char* text = failure.GetMessageString();
-    throw Error(code, where, "OpenCASCADE failed while " + doing + " (" + failure.DynamicType()->Name() +
-                                 (text && *text ? std::string(": ") + text : "") + "); export the file again");
+    throw Error(code, where,
+                "OpenCASCADE failed while " + doing + " (" + failure.DynamicType()->Name() +
+                    (text && *text ? std::string(": ") + text : "") + "); export the file again");
   }
 }
 

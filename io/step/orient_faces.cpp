@@ -36,7 +36,12 @@ struct Group {
 
 class Walker {
  public:
-  Walker(const Part& part, const std::vector<int>& joined) : part_(part), uses_(uses_of_edges(part)), joined_(part.edges.size(), false), group_of_(part.faces.size(), -1), turn_(part.faces.size(), false) {
+  Walker(const Part& part, const std::vector<int>& joined)
+      : part_(part),
+        uses_(uses_of_edges(part)),
+        joined_(part.edges.size(), false),
+        group_of_(part.faces.size(), -1),
+        turn_(part.faces.size(), false) {
     for (const int edge : joined) joined_[static_cast<std::size_t>(edge)] = true;
   }
 

@@ -7,8 +7,8 @@
 namespace afptraj::step {
 
 struct OrientResult {
-  int turned = 0;       ///< faces whose `reversed` was changed
-  int one_sided = 0;    ///< groups that cannot be oriented (like a Moebius strip)
+  int turned = 0;     ///< faces whose `reversed` was changed
+  int one_sided = 0;  ///< groups that cannot be oriented (like a Moebius strip)
 };
 
 /// Turns faces so that neighbours agree, in the connected groups of faces that hold an edge of

@@ -19,13 +19,14 @@ class Encoder {
   std::string take() { return std::move(out_); }
 
   template <class T>
-    requires(std::is_arithmetic_v<T> || std::is_enum_v<T>)
-  void field(T& x) {
+  requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) void field(T& x) {
     out_.append(reinterpret_cast<const char*>(&x), sizeof x);
   }
   void field(std::string& s) { block(s.data(), s.size()); }
   void field(std::vector<double>& v) { block(v.data(), v.size()); }
-  void doubles(double* x, std::size_t n) { out_.append(reinterpret_cast<const char*>(x), n * sizeof(double)); }
+  void doubles(double* x, std::size_t n) {
+    out_.append(reinterpret_cast<const char*>(x), n * sizeof(double));
+  }
   template <class T>
   std::size_t size(std::vector<T>& v) {
     auto n = static_cast<std::uint64_t>(v.size());
@@ -49,10 +50,7 @@ class Decoder {
   bool at_end() const { return in_.empty(); }
 
   template <class T>
-    requires(std::is_arithmetic_v<T> || std::is_enum_v<T>)
-  void field(T& x) {
-    read(&x, sizeof x);
-  }
+  requires(std::is_arithmetic_v<T> || std::is_enum_v<T>) void field(T& x) { read(&x, sizeof x); }
   void field(std::string& s) {
     s.resize(count(1));
     read(s.data(), s.size());
@@ -69,7 +67,9 @@ class Decoder {
   }
 
  private:
-  [[noreturn]] static void broken() { throw Error(ErrorCode::internal, "STEP importer", "its answer does not hold together"); }
+  [[noreturn]] static void broken() {
+    throw Error(ErrorCode::internal, "STEP importer", "its answer does not hold together");
+  }
   std::size_t count(std::size_t item) {
     std::uint64_t n = 0;
     field(n);
@@ -194,12 +194,18 @@ PlainModel decode(std::string_view bytes) {
 
 Surface make_surface(PlainSurface plain) {
   switch (plain.kind) {
-    case SurfaceKind::plane: return Surface::plane(plain.frame);
-    case SurfaceKind::cylinder: return Surface::cylinder(plain.frame, plain.radius);
-    case SurfaceKind::cone: return Surface::cone(plain.frame, plain.radius, plain.second);
-    case SurfaceKind::sphere: return Surface::sphere(plain.frame, plain.radius);
-    case SurfaceKind::torus: return Surface::torus(plain.frame, plain.radius, plain.second);
-    case SurfaceKind::bspline: return Surface::bspline(std::move(plain.spline));
+    case SurfaceKind::plane:
+      return Surface::plane(plain.frame);
+    case SurfaceKind::cylinder:
+      return Surface::cylinder(plain.frame, plain.radius);
+    case SurfaceKind::cone:
+      return Surface::cone(plain.frame, plain.radius, plain.second);
+    case SurfaceKind::sphere:
+      return Surface::sphere(plain.frame, plain.radius);
+    case SurfaceKind::torus:
+      return Surface::torus(plain.frame, plain.radius, plain.second);
+    case SurfaceKind::bspline:
+      return Surface::bspline(std::move(plain.spline));
   }
   throw Error(ErrorCode::internal, "STEP importer", "unknown kind of surface");
 }
@@ -211,10 +217,13 @@ StepModel to_step_model(PlainModel model, const std::string& where) {
   for (PlainFace& plain : model.faces) {
     const std::string entity = plain.step_id > 0 ? where + ":#" + std::to_string(plain.step_id) : where;
     try {
-      result.part.faces.push_back({make_surface(std::move(plain.surface)), plain.reversed, std::move(plain.loops), std::move(plain.name),
-                                   std::move(plain.instance), plain.step_id});
+      result.part.faces.push_back({make_surface(std::move(plain.surface)), plain.reversed,
+                                   std::move(plain.loops), std::move(plain.name), std::move(plain.instance),
+                                   plain.step_id});
     } catch (const std::invalid_argument& fault) {
-      throw Error(ErrorCode::bad_input, entity, std::string("has a surface that cannot be evaluated (") + fault.what() + "); export it again");
+      throw Error(
+          ErrorCode::bad_input, entity,
+          std::string("has a surface that cannot be evaluated (") + fault.what() + "); export it again");
     }
     result.colours.push_back(plain.colour);
   }

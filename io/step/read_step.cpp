@@ -15,15 +15,17 @@ StepModel read_step(const std::filesystem::path& path, const StepReadOptions& op
   using namespace step;
   const std::string where = path.string();
   if (!options.unit_override.empty() && !millimetres_in(options.unit_override)) {
-    throw Error(ErrorCode::usage, "--unit", "\"" + options.unit_override + "\" is not a unit of length; use mm, cm, m, in or ft");
+    throw Error(ErrorCode::usage, "--unit",
+                "\"" + options.unit_override + "\" is not a unit of length; use mm, cm, m, in or ft");
   }
   const std::string bytes = read_file(path, options.max_file_bytes);
   const StepText text = check_step_text(bytes, where);
   PlainModel plain;
   if (options.isolate) {
     const IsolationLimits limits{options.timeout_s, options.memory_limit_bytes, options.stop};
-    plain = decode(run_isolated(where, limits, [&] { return encode(import_part(bytes, text, where, options)); },
-                                [&] { return find_cycle(text).value_or(""); }));
+    plain = decode(run_isolated(
+        where, limits, [&] { return encode(import_part(bytes, text, where, options)); },
+        [&] { return find_cycle(text).value_or(""); }));
   } else {
     plain = import_part(bytes, text, where, options);
   }

@@ -15,9 +15,9 @@ namespace afptraj {
 struct StepReadOptions {
   /// "" obeys the file; "mm", "cm", "m", "in" or "ft" takes its numbers in that unit, whatever it declares.
   std::string unit_override;
-  /// Edges of loose faces and open shells nearer than this are joined; 0 joins nothing. Negative
-  /// is automatic: 1e-4 of the part's diagonal, but at most 0.1 mm and at most a quarter of the
-  /// shortest free edge.
+  /// Free edges of loose faces and open shells that lie within this of each other are joined; 0
+  /// joins nothing. Negative is automatic: 1e-4 of the part's diagonal, at most 0.1 mm. An edge
+  /// shorter than 20 tolerances is joined only within a twentieth of its length.
   double sew_tolerance_mm = -1;
   /// The importer is stopped after this time, or when it asks for more memory than this.
   double timeout_s = 120;
@@ -33,17 +33,17 @@ struct StepReadOptions {
 /// What a STEP file becomes: the part in mm, and what had to be assumed or repaired on the way.
 struct StepModel {
   Part part;
-  std::string schema;             ///< first FILE_SCHEMA entry, as written
-  std::string declared_unit;      ///< name of the file's length unit, empty when it declares none
-  double unit_scale_to_mm = 1;    ///< mm per unit of the numbers, the override included
-  std::string sha256;             ///< of the bytes of the file, lower-case hexadecimal
-  int solids = 0, shells = 0;     ///< as the file has them; each placed instance counts
-  double sew_tolerance_mm = 0;    ///< tolerance used, 0 when there was nothing to join
-  int sewn_edges = 0;             ///< edges that joining made shared
+  std::string schema;               ///< first FILE_SCHEMA entry, as written
+  std::string declared_unit;        ///< name of the file's length unit, empty when it declares none
+  double unit_scale_to_mm = 1;      ///< mm per unit of the numbers, the override included
+  std::string sha256;               ///< of the bytes of the file, lower-case hexadecimal
+  int solids = 0, shells = 0;       ///< as the file has them; each placed instance counts
+  double sew_tolerance_mm = 0;      ///< tolerance used, 0 when there was nothing to join
+  int sewn_edges = 0;               ///< edges that joining made shared
   double greatest_sewn_gap_mm = 0;  ///< greatest distance between the two sides of a joined edge
   double greatest_edge_gap_mm = 0;  ///< the same over all edges shared by two uses
   std::vector<std::optional<std::array<double, 3>>> colours;  ///< one per face: sRGB in [0, 1]
-  std::vector<std::string> warnings;  ///< one line each, for people
+  std::vector<std::string> warnings;                          ///< one line each, for people
 };
 
 /// Reads AP203, AP214, AP242 (and the B-rep of AP209): solids, shells, loose faces, assemblies with

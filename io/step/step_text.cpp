@@ -1,18 +1,18 @@
 #include "io/step/step_text.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
-#include <cctype>
 #include <cstring>
 #include <limits>
 #include <unordered_map>
 #include <utility>
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "geometry/error.h"
 
@@ -47,7 +47,9 @@ constexpr std::array<Magic, 17> magics = {{{"\x89PNG", "a PNG picture"},
                                            {"glTF", "a glTF file"},
                                            {"\x89HDF", "an HDF5 file"}}};
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v' || c == '\0'; }
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v' || c == '\0';
+}
 
 bool is_iges(std::string_view bytes) {
   const std::string_view line = bytes.substr(0, bytes.find_first_of("\r\n"));
@@ -58,12 +60,14 @@ bool is_iges(std::string_view bytes) {
 [[noreturn]] void refuse_other_format(std::string_view bytes, const std::string& where) {
   const std::string fix = "; export the part as STEP (AP203, AP214 or AP242)";
   for (const Magic& magic : magics) {
-    if (bytes.substr(0, magic.bytes.size()) == magic.bytes) refuse(where, std::string("is ") + magic.what + ", not STEP" + fix);
+    if (bytes.substr(0, magic.bytes.size()) == magic.bytes)
+      refuse(where, std::string("is ") + magic.what + ", not STEP" + fix);
   }
   if (bytes.starts_with("version https://git-lfs")) {
     refuse(where, "is a Git LFS pointer, not the STEP file itself; run `git lfs pull` to fetch it");
   }
-  if (bytes.starts_with("solid")) refuse(where, "is an STL mesh, not STEP; a mesh has no surfaces to plan on" + fix);
+  if (bytes.starts_with("solid"))
+    refuse(where, "is an STL mesh, not STEP; a mesh has no surfaces to plan on" + fix);
   if (bytes.size() > 84) {
     std::uint32_t triangles = 0;
     std::memcpy(&triangles, bytes.data() + 80, 4);
@@ -79,7 +83,9 @@ void check_encoding(std::string_view bytes, const std::string& where) {
   const bool utf16_mark = bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff");
   using namespace std::string_view_literals;
   const bool utf16_text = bytes.starts_with("I\0S\0O\0"sv) || bytes.starts_with("\0I\0S\0O"sv);
-  if (utf16_mark || utf16_text) refuse(where, "is encoded in UTF-16; STEP is ASCII: convert it, for example with `iconv -f UTF-16 -t ASCII`");
+  if (utf16_mark || utf16_text)
+    refuse(where,
+           "is encoded in UTF-16; STEP is ASCII: convert it, for example with `iconv -f UTF-16 -t ASCII`");
 }
 
 /// One pass over the text: strings, comments, nesting, instances.
@@ -147,12 +153,14 @@ class Scanner {
   void read_mark(char c) {
     if (c == '(') {
       if (++depth_ > nesting_limit) {
-        refuse_here("lists are nested deeper than " + std::to_string(nesting_limit) + "; the file is damaged, export it again");
+        refuse_here("lists are nested deeper than " + std::to_string(nesting_limit) +
+                    "; the file is damaged, export it again");
       }
     } else if (c == ')') {
       --depth_;
     } else if (c == ';') {
-      if (section_ == Section::data && depth_ != 0) refuse_here("brackets do not match; the file is damaged, export it again");
+      if (section_ == Section::data && depth_ != 0)
+        refuse_here("brackets do not match; the file is damaged, export it again");
       depth_ = 0;
       in_instance_ = false;
     } else if (c == '=' && depth_ == 0) {
@@ -166,9 +174,12 @@ class Scanner {
     const int begin_line = line_;
     while (true) {
       const void* quote = std::memchr(s_.data() + i_, '\'', s_.size() - i_);
-      if (!quote) refuse(where_ + ":" + std::to_string(begin_line), "a string does not end; the file is cut off or damaged, export it again");
+      if (!quote)
+        refuse(where_ + ":" + std::to_string(begin_line),
+               "a string does not end; the file is cut off or damaged, export it again");
       const auto end = static_cast<std::size_t>(static_cast<const char*>(quote) - s_.data());
-      line_ += static_cast<int>(std::count(s_.begin() + static_cast<std::ptrdiff_t>(i_), s_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+      line_ += static_cast<int>(std::count(s_.begin() + static_cast<std::ptrdiff_t>(i_),
+                                           s_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
       i_ = end + 1;
       if (i_ < s_.size() && s_[i_] == '\'') {
         ++i_;
@@ -180,8 +191,10 @@ class Scanner {
   }
 
   void take_string(std::string_view value) {
-    if (section_ == Section::header && last_word_ == "FILE_SCHEMA" && text_.schema.empty()) text_.schema = value;
-    if (section_ == Section::data && in_instance_ && text_.instances.back().type == "DOCUMENT_FILE" && !took_document_) {
+    if (section_ == Section::header && last_word_ == "FILE_SCHEMA" && text_.schema.empty())
+      text_.schema = value;
+    if (section_ == Section::data && in_instance_ && text_.instances.back().type == "DOCUMENT_FILE" &&
+        !took_document_) {
       took_document_ = true;
       text_.external_files.push_back(value);
     }
@@ -189,14 +202,17 @@ class Scanner {
 
   void skip_comment() {
     const std::size_t end = s_.find("*/", i_ + 2);
-    if (end == std::string_view::npos) refuse_here("a comment does not end; the file is cut off or damaged, export it again");
-    line_ += static_cast<int>(std::count(s_.begin() + static_cast<std::ptrdiff_t>(i_), s_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+    if (end == std::string_view::npos)
+      refuse_here("a comment does not end; the file is cut off or damaged, export it again");
+    line_ += static_cast<int>(std::count(s_.begin() + static_cast<std::ptrdiff_t>(i_),
+                                         s_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
     i_ = end + 2;
   }
 
   void skip_binary() {
     const std::size_t end = s_.find('"', i_ + 1);
-    if (end == std::string_view::npos) refuse_here("a binary value does not end; the file is cut off or damaged, export it again");
+    if (end == std::string_view::npos)
+      refuse_here("a binary value does not end; the file is cut off or damaged, export it again");
     i_ = end + 1;
   }
 
@@ -211,7 +227,8 @@ class Scanner {
     int id = 0;
     const auto [end, fault] = std::from_chars(s_.data() + begin, s_.data() + s_.size(), id);
     i_ = static_cast<std::size_t>(end - s_.data());
-    if (fault == std::errc::result_out_of_range) refuse_here("an instance number is larger than 2147483647; export the file again");
+    if (fault == std::errc::result_out_of_range)
+      refuse_here("an instance number is larger than 2147483647; export the file again");
     if (fault != std::errc() || section_ != Section::data) return;
     if (in_instance_) {
       text_.references.push_back(id);
@@ -231,7 +248,9 @@ class Scanner {
 
   void read_word() {
     const std::size_t begin = i_++;
-    while (i_ < s_.size() && (std::isalnum(static_cast<unsigned char>(s_[i_])) || s_[i_] == '_' || s_[i_] == '-')) ++i_;
+    while (i_ < s_.size() &&
+           (std::isalnum(static_cast<unsigned char>(s_[i_])) || s_[i_] == '_' || s_[i_] == '-'))
+      ++i_;
     const std::string_view word = s_.substr(begin, i_ - begin);
     if (!in_instance_ && depth_ == 0) {
       read_section_word(word);
@@ -242,7 +261,8 @@ class Scanner {
         if (text_.instances.back().type.empty()) text_.instances.back().type = word;
         if (depth_ <= 1) ++text_.keywords[word];
       } else if (next < s_.size()) {  // at the end of the file the end is what is wrong
-        refuse_here("\"" + std::string(word.substr(0, 40)) + "\" stands where a number or a reference belongs; export the file again");
+        refuse_here("\"" + std::string(word.substr(0, 40)) +
+                    "\" stands where a number or a reference belongs; export the file again");
       }
     }
   }
@@ -265,7 +285,8 @@ class Scanner {
       const char c = s_[i_];
       if (c == 'E' || c == 'e') {
         exponent = i_ + 1;
-      } else if (!std::isdigit(static_cast<unsigned char>(c)) && c != '.' && !((c == '-' || c == '+') && exponent == i_)) {
+      } else if (!std::isdigit(static_cast<unsigned char>(c)) && c != '.' &&
+                 !((c == '-' || c == '+') && exponent == i_)) {
         break;
       }
       ++i_;
@@ -274,15 +295,21 @@ class Scanner {
     int power = 0;
     const char* first = s_.data() + exponent + (s_[exponent] == '+' ? 1 : 0);
     const auto [end, fault] = std::from_chars(first, s_.data() + i_, power);
-    if ((fault == std::errc() && power > 99) || (fault == std::errc::result_out_of_range && s_[exponent] != '-')) {
-      refuse_here("the number " + std::string(s_.substr(begin, std::min<std::size_t>(i_ - begin, 40))) + " is out of range; export the file again");
+    if ((fault == std::errc() && power > 99) ||
+        (fault == std::errc::result_out_of_range && s_[exponent] != '-')) {
+      refuse_here("the number " + std::string(s_.substr(begin, std::min<std::size_t>(i_ - begin, 40))) +
+                  " is out of range; export the file again");
     }
   }
 
   void check_end() const {
-    const std::string again = "; the file is cut off (a broken download or a full disk), export or copy it again";
-    if (!data_seen_) refuse(where_, ended_ ? "has a header but no DATA section; export the part again" : "ends within its header" + again);
-    if (data_open_) refuse(where_ + ":" + std::to_string(line_), "ends within its DATA section, without ENDSEC" + again);
+    const std::string again =
+        "; the file is cut off (a broken download or a full disk), export or copy it again";
+    if (!data_seen_)
+      refuse(where_, ended_ ? "has a header but no DATA section; export the part again"
+                            : "ends within its header" + again);
+    if (data_open_)
+      refuse(where_ + ":" + std::to_string(line_), "ends within its DATA section, without ENDSEC" + again);
     if (!ended_) refuse(where_ + ":" + std::to_string(line_), "ends without END-ISO-10303-21" + again);
     if (text_.instances.empty()) refuse(where_, "has an empty DATA section; export the part again");
   }
@@ -307,7 +334,8 @@ std::unordered_map<int, std::size_t> index_by_id(const StepText& text) {
 }
 
 std::string describe(const StepText::Instance& instance) {
-  return "#" + std::to_string(instance.id) + " = " + std::string(instance.type) + " (line " + std::to_string(instance.line) + ")";
+  return "#" + std::to_string(instance.id) + " = " + std::string(instance.type) + " (line " +
+         std::to_string(instance.line) + ")";
 }
 
 /// Closes a descriptor at the end of a scope.
@@ -330,18 +358,21 @@ std::string read_file(const std::filesystem::path& path, std::uintmax_t max_byte
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) {
     if (errno == ENOENT || errno == ENOTDIR) refuse(where, "no such file; check the path");
-    refuse(where, std::string("cannot be looked at (") + std::strerror(errno) + "); check the path and its permissions");
+    refuse(where, std::string("cannot be looked at (") + std::strerror(errno) +
+                      "); check the path and its permissions");
   }
   if (S_ISDIR(status.st_mode)) refuse(where, "is a directory; give the STEP file inside it");
-  if (!S_ISREG(status.st_mode)) refuse(where, "is a pipe or a device, not a regular file; save the part to a file first");
+  if (!S_ISREG(status.st_mode))
+    refuse(where, "is a pipe or a device, not a regular file; save the part to a file first");
   if (status.st_size == 0) refuse(where, "is empty (0 bytes); export the part again");
   const auto size = static_cast<std::uintmax_t>(status.st_size);
   if (size > max_bytes) {
-    refuse(where, "has " + std::to_string(size / 1000000) + " MB, more than the limit of " + std::to_string(max_bytes / 1000000) +
-                      " MB; export only the faces to lay on");
+    refuse(where, "has " + std::to_string(size / 1000000) + " MB, more than the limit of " +
+                      std::to_string(max_bytes / 1000000) + " MB; export only the faces to lay on");
   }
   const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.fd < 0) refuse(where, std::string("cannot be opened (") + std::strerror(errno) + "); check its permissions");
+  if (file.fd < 0)
+    refuse(where, std::string("cannot be opened (") + std::strerror(errno) + "); check its permissions");
   std::string bytes(size, '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
@@ -401,24 +432,41 @@ std::vector<std::string> find_broken_references(const StepText& text) {
   const auto index = index_by_id(text);
   for (std::size_t i = 0; i < text.instances.size() && lines.size() < most; ++i) {
     const StepText::Instance& instance = text.instances[i];
-    if (index.at(instance.id) != i) lines.push_back(describe(instance) + " uses a number that is already taken");
+    if (index.at(instance.id) != i)
+      lines.push_back(describe(instance) + " uses a number that is already taken");
     for (std::size_t k = 0; k < instance.references && lines.size() < most; ++k) {
       const int id = text.references[instance.first_reference + k];
-      if (!index.contains(id)) lines.push_back(describe(instance) + " refers to #" + std::to_string(id) + ", which is not in the file");
+      if (!index.contains(id))
+        lines.push_back(describe(instance) + " refers to #" + std::to_string(id) +
+                        ", which is not in the file");
     }
   }
   return lines;
 }
 
 std::string describe_contents(const StepText& text) {
-  constexpr std::array<std::string_view, 18> telling = {
-      "MANIFOLD_SOLID_BREP",  "SHELL_BASED_SURFACE_MODEL", "FACETED_BREP", "FACE_SURFACE", "CSG_SOLID", "TESSELLATED_SOLID",
-      "TESSELLATED_SHELL",    "TRIANGULATED_FACE", "COMPLEX_TRIANGULATED_FACE", "GEOMETRIC_CURVE_SET",
-      "B_SPLINE_CURVE_WITH_KNOTS", "POLYLINE", "FEA_MODEL_3D", "NODE", "VOLUME_3D_ELEMENT_REPRESENTATION",
-      "SURFACE_3D_ELEMENT_REPRESENTATION", "DOCUMENT_FILE", "NEXT_ASSEMBLY_USAGE_OCCURRENCE"};
+  constexpr std::array<std::string_view, 18> telling = {"MANIFOLD_SOLID_BREP",
+                                                        "SHELL_BASED_SURFACE_MODEL",
+                                                        "FACETED_BREP",
+                                                        "FACE_SURFACE",
+                                                        "CSG_SOLID",
+                                                        "TESSELLATED_SOLID",
+                                                        "TESSELLATED_SHELL",
+                                                        "TRIANGULATED_FACE",
+                                                        "COMPLEX_TRIANGULATED_FACE",
+                                                        "GEOMETRIC_CURVE_SET",
+                                                        "B_SPLINE_CURVE_WITH_KNOTS",
+                                                        "POLYLINE",
+                                                        "FEA_MODEL_3D",
+                                                        "NODE",
+                                                        "VOLUME_3D_ELEMENT_REPRESENTATION",
+                                                        "SURFACE_3D_ELEMENT_REPRESENTATION",
+                                                        "DOCUMENT_FILE",
+                                                        "NEXT_ASSEMBLY_USAGE_OCCURRENCE"};
   std::string list;
   for (const std::string_view keyword : telling) {
-    if (const int n = text.count(keyword); n > 0) list += (list.empty() ? "" : ", ") + std::to_string(n) + " " + std::string(keyword);
+    if (const int n = text.count(keyword); n > 0)
+      list += (list.empty() ? "" : ", ") + std::to_string(n) + " " + std::string(keyword);
   }
   return list.empty() ? std::to_string(text.instances.size()) + " instances without geometry" : list;
 }

@@ -19,9 +19,9 @@ struct StepText {
     std::size_t first_reference = 0, references = 0;
   };
   std::string schema;
-  std::vector<Instance> instances;  ///< in the order of the file
-  std::vector<int> references;      ///< ids, grouped by instance
-  std::map<std::string_view, int> keywords;  ///< how often each entity keyword occurs
+  std::vector<Instance> instances;               ///< in the order of the file
+  std::vector<int> references;                   ///< ids, grouped by instance
+  std::map<std::string_view, int> keywords;      ///< how often each entity keyword occurs
   std::vector<std::string_view> external_files;  ///< names in DOCUMENT_FILE instances
 
   int count(std::string_view keyword) const;

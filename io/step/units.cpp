@@ -1,8 +1,5 @@
 #include "io/step/units.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <STEPConstruct_UnitContext.hxx>
 #include <StepBasic_ConversionBasedUnit.hxx>
 #include <StepBasic_ConversionBasedUnitAndLengthUnit.hxx>
@@ -18,13 +15,16 @@
 #include <StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext.hxx>
 #include <StepRepr_GlobalUnitAssignedContext.hxx>
 #include <TCollection_HAsciiString.hxx>
+#include <algorithm>
+#include <cmath>
 
 namespace afptraj::step {
 namespace {
 
 bool is_length(const Handle(StepBasic_NamedUnit)& unit) {
   if (unit.IsNull()) return false;
-  if (unit->IsKind(STANDARD_TYPE(StepBasic_SiUnitAndLengthUnit)) || unit->IsKind(STANDARD_TYPE(StepBasic_ConversionBasedUnitAndLengthUnit)) ||
+  if (unit->IsKind(STANDARD_TYPE(StepBasic_SiUnitAndLengthUnit)) ||
+      unit->IsKind(STANDARD_TYPE(StepBasic_ConversionBasedUnitAndLengthUnit)) ||
       unit->IsKind(STANDARD_TYPE(StepBasic_LengthUnit))) {
     return true;
   }
@@ -36,22 +36,54 @@ std::string si_name(const Handle(StepBasic_SiUnit)& unit) {
   std::string prefix;
   if (unit->HasPrefix()) {
     switch (unit->Prefix()) {
-      case StepBasic_spExa: prefix = "exa"; break;
-      case StepBasic_spPeta: prefix = "peta"; break;
-      case StepBasic_spTera: prefix = "tera"; break;
-      case StepBasic_spGiga: prefix = "giga"; break;
-      case StepBasic_spMega: prefix = "mega"; break;
-      case StepBasic_spKilo: prefix = "kilo"; break;
-      case StepBasic_spHecto: prefix = "hecto"; break;
-      case StepBasic_spDeca: prefix = "deca"; break;
-      case StepBasic_spDeci: prefix = "deci"; break;
-      case StepBasic_spCenti: prefix = "centi"; break;
-      case StepBasic_spMilli: prefix = "milli"; break;
-      case StepBasic_spMicro: prefix = "micro"; break;
-      case StepBasic_spNano: prefix = "nano"; break;
-      case StepBasic_spPico: prefix = "pico"; break;
-      case StepBasic_spFemto: prefix = "femto"; break;
-      case StepBasic_spAtto: prefix = "atto"; break;
+      case StepBasic_spExa:
+        prefix = "exa";
+        break;
+      case StepBasic_spPeta:
+        prefix = "peta";
+        break;
+      case StepBasic_spTera:
+        prefix = "tera";
+        break;
+      case StepBasic_spGiga:
+        prefix = "giga";
+        break;
+      case StepBasic_spMega:
+        prefix = "mega";
+        break;
+      case StepBasic_spKilo:
+        prefix = "kilo";
+        break;
+      case StepBasic_spHecto:
+        prefix = "hecto";
+        break;
+      case StepBasic_spDeca:
+        prefix = "deca";
+        break;
+      case StepBasic_spDeci:
+        prefix = "deci";
+        break;
+      case StepBasic_spCenti:
+        prefix = "centi";
+        break;
+      case StepBasic_spMilli:
+        prefix = "milli";
+        break;
+      case StepBasic_spMicro:
+        prefix = "micro";
+        break;
+      case StepBasic_spNano:
+        prefix = "nano";
+        break;
+      case StepBasic_spPico:
+        prefix = "pico";
+        break;
+      case StepBasic_spFemto:
+        prefix = "femto";
+        break;
+      case StepBasic_spAtto:
+        prefix = "atto";
+        break;
     }
   }
   return prefix + "metre";
@@ -70,9 +102,12 @@ void for_each_context(const Handle(StepData_StepModel)& model, Visit visit) {
   for (int i = 1; i <= model->NbEntities(); ++i) {
     const Handle(Standard_Transient) entity = model->Value(i);
     Handle(StepRepr_GlobalUnitAssignedContext) context;
-    if (const auto both = Handle(StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext)::DownCast(entity)) {
+    if (const auto both =
+            Handle(StepGeom_GeometricRepresentationContextAndGlobalUnitAssignedContext)::DownCast(entity)) {
       context = both->GlobalUnitAssignedContext();
-    } else if (const auto all = Handle(StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx)::DownCast(entity)) {
+    } else if (const auto all =
+                   Handle(StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx)::DownCast(
+                       entity)) {
       context = all->GlobalUnitAssignedContext();
     } else {
       context = Handle(StepRepr_GlobalUnitAssignedContext)::DownCast(entity);
@@ -118,7 +153,8 @@ void replace_length_units(const Handle(StepData_StepModel)& model, double millim
   measure->Init(value, base_unit);
   const Handle(StepBasic_DimensionalExponents) exponents = new StepBasic_DimensionalExponents;
   exponents->Init(1, 0, 0, 0, 0, 0, 0);
-  const Handle(StepBasic_ConversionBasedUnitAndLengthUnit) unit = new StepBasic_ConversionBasedUnitAndLengthUnit;
+  const Handle(StepBasic_ConversionBasedUnitAndLengthUnit) unit =
+      new StepBasic_ConversionBasedUnitAndLengthUnit;
   unit->Init(exponents, new TCollection_HAsciiString("OVERRIDE"), measure);
   for_each_context(model, [&](const Handle(StepBasic_HArray1OfNamedUnit)& units) {
     for (int k = units->Lower(); k <= units->Upper(); ++k) {

@@ -2,10 +2,9 @@
 
 // Private to io/step: the length unit of a STEP model.
 
+#include <StepData_StepModel.hxx>
 #include <string>
 #include <vector>
-
-#include <StepData_StepModel.hxx>
 
 namespace afptraj::step {
 

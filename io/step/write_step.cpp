@@ -1,13 +1,5 @@
 #include "io/step/write_step.h"
 
-#include <array>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
-#include <ctime>
-#include <map>
-#include <sstream>
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -34,10 +26,10 @@
 #include <StepVisual_MechanicalDesignGeometricPresentationRepresentation.hxx>
 #include <StepVisual_PresentationStyleAssignment.hxx>
 #include <StepVisual_StyledItem.hxx>
-#include <TCollection_HAsciiString.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
 #include <TColgp_Array1OfPnt.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopoDS_Compound.hxx>
@@ -48,6 +40,13 @@
 #include <XCAFDoc_ShapeTool.hxx>
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <map>
+#include <sstream>
 
 #include "io/step/occt.h"
 
@@ -62,9 +61,11 @@ using step::occt_guard;
 
 Handle(Geom_BSplineCurve) to_occt(const BSplineCurve3& curve, const std::string& name) {
   const auto count = static_cast<int>(curve.poles.size());
-  const bool sized = count >= 2 && curve.degree >= 1 && curve.knots.size() == curve.poles.size() + static_cast<std::size_t>(curve.degree) + 1 &&
+  const bool sized = count >= 2 && curve.degree >= 1 &&
+                     curve.knots.size() == curve.poles.size() + static_cast<std::size_t>(curve.degree) + 1 &&
                      (curve.weights.empty() || curve.weights.size() == curve.poles.size());
-  if (!sized) throw Error(ErrorCode::internal, name, "a curve to write has poles and knots that do not fit together");
+  if (!sized)
+    throw Error(ErrorCode::internal, name, "a curve to write has poles and knots that do not fit together");
   TColgp_Array1OfPnt poles(1, count);
   TColStd_Array1OfReal weights(1, count);
   for (int i = 1; i <= count; ++i) {
@@ -85,7 +86,8 @@ Handle(Geom_BSplineCurve) to_occt(const BSplineCurve3& curve, const std::string&
     multiplicities(static_cast<int>(i) + 1) = repeated[i];
   }
   if (curve.weights.empty()) return new Geom_BSplineCurve(poles, knots, multiplicities, curve.degree);
-  return new Geom_BSplineCurve(poles, weights, knots, multiplicities, curve.degree, Standard_False, Standard_False);
+  return new Geom_BSplineCurve(poles, weights, knots, multiplicities, curve.degree, Standard_False,
+                               Standard_False);
 }
 
 /// A wire whose edges share vertices where one curve ends and the next begins.
@@ -114,7 +116,8 @@ TopoDS_Wire make_wire(const StepWire& wire) {
       builder.MakeVertex(end, to, 1e-7);
     }
     BRepBuilderAPI_MakeEdge edge(curve, start, end, curve->FirstParameter(), curve->LastParameter());
-    if (!edge.IsDone()) throw Error(ErrorCode::internal, wire.name, "OpenCASCADE cannot make an edge of a curve");
+    if (!edge.IsDone())
+      throw Error(ErrorCode::internal, wire.name, "OpenCASCADE cannot make an edge of a curve");
     builder.Add(result, edge.Edge());
     last = end, last_point = to;
   }
@@ -160,15 +163,18 @@ void add_colours(const Handle(XSControl_WorkSession)& session, const std::vector
   STEPConstruct_DataMapOfPointTransient mixed;
   for (std::size_t i = 0; i < wires.size(); ++i) {
     STEPConstruct_Styles styles(session);
-    const Handle(StepRepr_RepresentationItem) item = STEPConstruct::FindEntity(session->TransferWriter()->FinderProcess(), shapes[i]);
+    const Handle(StepRepr_RepresentationItem) item =
+        STEPConstruct::FindEntity(session->TransferWriter()->FinderProcess(), shapes[i]);
     const Handle(StepRepr_RepresentationContext) context = styles.FindContext(shapes[i]);
-    if (item.IsNull() || context.IsNull()) throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE has no STEP entity for a course");
+    if (item.IsNull() || context.IsNull())
+      throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE has no STEP entity for a course");
     const std::array<double, 3>& rgb = wires[i].rgb;
-    const Handle(StepVisual_Colour) colour =
-        STEPConstruct_Styles::EncodeColor(Quantity_Color(rgb[0], rgb[1], rgb[2], Quantity_TOC_sRGB), predefined, mixed);
+    const Handle(StepVisual_Colour) colour = STEPConstruct_Styles::EncodeColor(
+        Quantity_Color(rgb[0], rgb[1], rgb[2], Quantity_TOC_sRGB), predefined, mixed);
     styles.AddStyle(item, styles.MakeColorPSA(item, nullptr, colour, nullptr, 0), nullptr);
     Handle(StepVisual_MechanicalDesignGeometricPresentationRepresentation) presentation;
-    if (!styles.CreateMDGPR(context, presentation)) throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE cannot colour a course");
+    if (!styles.CreateMDGPR(context, presentation))
+      throw Error(ErrorCode::internal, wires[i].name, "OpenCASCADE cannot colour a course");
     session->Model()->AddWithRefs(presentation);
   }
 }
@@ -184,7 +190,8 @@ void number_placements(const Handle(StepData_StepModel)& model) {
 
 std::string time_stamp() {
   std::time_t seconds = 0;  // a constant, so that equal input gives equal bytes
-  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) seconds = static_cast<std::time_t>(std::strtoll(epoch, nullptr, 10));
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH"))
+    seconds = static_cast<std::time_t>(std::strtoll(epoch, nullptr, 10));
   std::tm utc{};
   if (!::gmtime_r(&seconds, &utc)) return "1970-01-01T00:00:00";
   char text[64];
@@ -193,7 +200,9 @@ std::string time_stamp() {
 }
 
 void set_header(const Handle(StepData_StepModel)& model, const std::string& name) {
-  const auto string = [](const std::string& s) { return Handle(TCollection_HAsciiString)(new TCollection_HAsciiString(s.c_str())); };
+  const auto string = [](const std::string& s) {
+    return Handle(TCollection_HAsciiString)(new TCollection_HAsciiString(s.c_str()));
+  };
   const auto list = [&](const std::string& s) {
     Handle(Interface_HArray1OfHAsciiString) one = new Interface_HArray1OfHAsciiString(1, 1);
     one->SetValue(1, string(s));
@@ -211,7 +220,8 @@ void set_header(const Handle(StepData_StepModel)& model, const std::string& name
   header.Apply(model);
 }
 
-std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOptions& options, const std::string& name) {
+std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOptions& options,
+                       const std::string& name) {
   STEPControl_Controller::Init();
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   Interface_Static::SetCVal("write.step.unit", "MM");
@@ -229,7 +239,8 @@ std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOption
   writer.SetSHUOMode(false);
   writer.SetDimTolMode(false);
   writer.SetMaterialMode(false);
-  if (!writer.Transfer(document, STEPControl_AsIs)) throw Error(ErrorCode::internal, name, "OpenCASCADE cannot turn the courses into STEP");
+  if (!writer.Transfer(document, STEPControl_AsIs))
+    throw Error(ErrorCode::internal, name, "OpenCASCADE cannot turn the courses into STEP");
   const Handle(XSControl_WorkSession) session = writer.ChangeWriter().WS();
   const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(session->Model());
   add_colours(session, wires, shapes);
@@ -238,12 +249,15 @@ std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOption
   StepData_StepWriter text(model);
   text.SendModel(Handle(StepData_Protocol)::DownCast(session->Protocol()));
   std::ostringstream bytes;
-  if (!text.Print(bytes) || !bytes) throw Error(ErrorCode::internal, name, "OpenCASCADE cannot write the courses as text");
+  if (!text.Print(bytes) || !bytes)
+    throw Error(ErrorCode::internal, name, "OpenCASCADE cannot write the courses as text");
   return std::move(bytes).str();
 }
 
 [[noreturn]] void fail(const std::string& where, const std::string& doing, int fault) {
-  throw Error(ErrorCode::cannot_write, where, "cannot " + doing + " (" + std::strerror(fault) + "); check the directory, its permissions and the free space");
+  throw Error(ErrorCode::cannot_write, where,
+              "cannot " + doing + " (" + std::strerror(fault) +
+                  "); check the directory, its permissions and the free space");
 }
 
 /// Writes and flushes; a file that could not be written whole is removed.
@@ -272,11 +286,13 @@ void write_file(const std::filesystem::path& path, const std::string& bytes) {
 
 }  // namespace
 
-void write_step(const std::filesystem::path& path, const std::vector<StepWire>& wires, const StepWriteOptions& options) {
+void write_step(const std::filesystem::path& path, const std::vector<StepWire>& wires,
+                const StepWriteOptions& options) {
   std::string bytes;
   {
     const step::QuietOcct quiet;
-    bytes = occt_guard(ErrorCode::internal, path.string(), "writing courses", [&] { return step_bytes(wires, options, path.filename().string()); });
+    bytes = occt_guard(ErrorCode::internal, path.string(), "writing courses",
+                       [&] { return step_bytes(wires, options, path.filename().string()); });
   }
   write_file(path, bytes);
 }

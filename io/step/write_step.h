@@ -11,8 +11,8 @@ namespace afptraj {
 
 /// A named wire: curves joined end to end, mm.
 struct StepWire {
-  std::string name;               ///< of the course, for example "course +3.1"
-  std::string group;              ///< of the ply; wires of one group stay together
+  std::string name;                       ///< of the course, for example "course +3.1"
+  std::string group;                      ///< of the ply; wires of one group stay together
   std::array<double, 3> rgb = {0, 0, 0};  ///< sRGB in [0, 1], as screens show it
   std::vector<BSplineCurve3> curves;
 };

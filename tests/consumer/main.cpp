@@ -1,10 +1,10 @@
 // Follows a geodesic at 45 degrees on a cylinder of radius 350, where it is a helix: after the arc
 // length s it has turned by s cos(45) / R and climbed s sin(45). Prints the end point.
+#include <geometry/geodesic.h>
+
 #include <cmath>
 #include <cstdio>
 #include <memory>
-
-#include <geometry/geodesic.h>
 
 int main() {
   using namespace afptraj;
