@@ -257,7 +257,7 @@ std::string step_bytes(const std::vector<StepWire>& wires, const StepWriteOption
 [[noreturn]] void fail(const std::string& where, const std::string& doing, int fault) {
   throw Error(ErrorCode::cannot_write, where,
               "cannot " + doing + " (" + std::strerror(fault) +
-                  "); check the directory, its permissions and the free space");
+                  "); check the directory, its permissions, the free space and the limit on file size (ulimit -f)");
 }
 
 /// Writes and flushes; a file that could not be written whole is removed.
