@@ -8,7 +8,7 @@ packages="g++ cmake ninja-build ccache
 libeigen3-dev libtbb-dev libceres-dev libcgal-dev
 libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev libocct-ocaf-dev
 libocct-visualization-dev libocct-data-exchange-dev
-libtoml11-dev nlohmann-json3-dev libcli11-dev libgtest-dev zlib1g-dev"
+libtoml11-dev nlohmann-json3-dev libcli11-dev libgtest-dev libbenchmark-dev zlib1g-dev"
 
 if ! command -v dpkg-query >/dev/null 2>&1; then
   echo "setup: this is no Debian system; install by hand:" $packages >&2

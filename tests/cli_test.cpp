@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -351,7 +352,13 @@ TEST_F(Cli, SurvivesOddSurroundings) {
   const std::vector<std::string> words{"run", panel, plies, "-o", "out", "--force"};
   const auto surroundings = std::vector<std::pair<const char*, std::function<void()>>>{
       {"comma locale", [] { ::setenv("LC_ALL", "de_DE.UTF-8", 1); }},
-      {"no environment", [] { ::clearenv(); }},
+      {"no environment",
+       [] {
+         const char* sanitizer = std::getenv("LSAN_OPTIONS");
+         const std::string kept = sanitizer == nullptr ? "" : sanitizer;
+         ::clearenv();
+         if (!kept.empty()) ::setenv("LSAN_OPTIONS", kept.c_str(), 1);
+       }},
       {"no standard streams", [] { ::close(0), ::close(1), ::close(2); }},
       {"stdin closed", [] { ::close(0); }},
       {"unlimited stack",
