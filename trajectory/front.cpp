@@ -277,6 +277,7 @@ void Front::extend(int level, const LaidCurves& laid, int& next_link) {
       for (const GeodesicState& s : states)
         extension.rays.push_back(shoot(extension.source, backward ? -s.s_mm : s.s_mm, level, nullptr));
       if (backward) std::reverse(extension.rays.begin(), extension.rays.end());
+      refine(extension, level);
       extension.end[backward ? 1 : 0] = StrandEnd::linked;
       extension.end[backward ? 0 : 1] = stopped ? StrandEnd::stopped : StrandEnd::open;
       extension.link[backward ? 1 : 0] = next_link;
