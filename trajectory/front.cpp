@@ -11,6 +11,8 @@
 namespace afptraj {
 namespace {
 
+constexpr double least_t_mm = 1e-3;  // rays are not placed closer than this along their source
+
 double chord(const Skin& skin, const Ray& a, const Ray& b) {
   return (skin.point(a.state.at) - skin.point(b.state.at)).norm();
 }
@@ -106,11 +108,36 @@ void Front::advance(int level) {
     });
     for (Strand& run : alive_runs(strand, alive, level)) {
       refine(run, level);
-      next.push_back(std::move(run));
+      run.trimmed = false;
+      split_where_rays_part(std::move(run), next);
     }
   }
   strands_ = std::move(next);
   settle_links();
+}
+
+/// Where no ray leads between two neighbours however close (a vertex, or an edge whose curvature is
+/// negative: shortest paths run along it and leave it on either side), the front has two ends.
+void Front::split_where_rays_part(Strand strand, std::vector<Strand>& out) const {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i + 1 < strand.rays.size(); ++i) {
+    if (strand.rays[i + 1].t - strand.rays[i].t > 4 * least_t_mm ||
+        chord(skin(), strand.rays[i], strand.rays[i + 1]) < 2 * options_.sample_mm)
+      continue;
+    if (i > first) {
+      Strand before = strand;
+      before.rays.assign(strand.rays.begin() + static_cast<std::ptrdiff_t>(first),
+                         strand.rays.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      before.end[1] = StrandEnd::open;
+      before.link[1] = -1;
+      out.push_back(std::move(before));
+    }
+    first = i + 1;
+    strand.end[0] = StrandEnd::open;
+    strand.link[0] = -1;
+  }
+  strand.rays.erase(strand.rays.begin(), strand.rays.begin() + static_cast<std::ptrdiff_t>(first));
+  if (strand.rays.size() >= 2) out.push_back(std::move(strand));
 }
 
 /// Runs of rays still on the skin; each new end is moved to the last ray that is.
@@ -167,7 +194,7 @@ void Front::refine(Strand& strand, int level) const {
     }
     strand.rays = std::move(thinned);
   }
-  for (int round = 0; round < 10; ++round) {
+  for (int round = 0; round < 20; ++round) {
     const std::size_t n = strand.rays.size();
     std::vector<CurveNode> nodes(n);
     for_each_index(n, [&](std::size_t i) { nodes[i] = level_node(skin, source, strand.rays[i], side_); });
@@ -198,7 +225,7 @@ void Front::refine(Strand& strand, int level) const {
     }
     std::vector<std::size_t> gaps;
     for (std::size_t i = 0; i + 1 < n; ++i) {
-      if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < 1e-3) continue;
+      if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < least_t_mm) continue;
       // Near a focal point rays crowd together in space but not in t: only t bounds the halving there.
       const bool focal = std::min(std::abs(strand.rays[i].state.y), std::abs(strand.rays[i + 1].state.y)) < 0.1;
       if (focal || !joined[i] || chord(skin, strand.rays[i], strand.rays[i + 1]) > 0.02 * options_.sample_mm)

@@ -40,6 +40,7 @@ struct Strand {
   StrandEnd end[2] = {StrandEnd::open, StrandEnd::open};
   int link[2] = {-1, -1};    ///< same number: linked ends
   int meeting[2] = {-1, -1}; ///< while the front is trimmed: the meeting at an end
+  bool trimmed = false;      ///< all of it has passed trim_fronts at this level
   int parent = -1;           ///< laid curve of the level before ...
   double parent_offset = 0;  ///< ... and how its parameter follows from a ray's: t + offset
 };
@@ -99,6 +100,7 @@ class Front {
 
  private:
   std::vector<Strand> alive_runs(const Strand& strand, const std::vector<char>& alive, int level) const;
+  void split_where_rays_part(Strand strand, std::vector<Strand>& out) const;
   bool too_near(const PathFrame& at, const LaidCurves& laid) const;
   std::vector<GeodesicState> extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
                                        bool* stopped) const;

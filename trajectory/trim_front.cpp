@@ -40,6 +40,10 @@ class Trimmer {
       std::vector<Strand> kept;
       const std::vector<Strand>& strands = fronts_[f]->strands();
       for (std::size_t s = 0; s < strands.size(); ++s) {
+        if (strands[s].trimmed && cuts[f][s].empty()) {
+          kept.push_back(strands[s]);
+          continue;
+        }
         cut_at_cusps(*fronts_[f], strands[s], cuts[f][s]);
         keep_stretches(*fronts_[f], strands[s], cuts[f][s], kept);
       }
@@ -164,6 +168,7 @@ class Trimmer {
       std::size_t j = i;
       while (j + 1 < valid.size() && valid[j + 1]) ++j;
       Strand run = strand;
+      run.trimmed = true;
       run.rays.assign(stretch.rays.begin() + static_cast<std::ptrdiff_t>(i),
                       stretch.rays.begin() + static_cast<std::ptrdiff_t>(j) + 1);
       for (int e = 0; e < 2; ++e) {
