@@ -109,6 +109,7 @@ void Front::advance(int level) {
     for (Strand& run : alive_runs(strand, alive, level)) {
       refine(run, level);
       run.trimmed = false;
+      run.fresh_end = -1;
       split_where_rays_part(std::move(run), next);
     }
   }
@@ -288,7 +289,7 @@ bool winds_round(const Skin& skin, const std::vector<GeodesicState>& states, con
 
 }  // namespace
 
-void Front::extend(int level, const LaidCurves& laid, int& next_link) {
+void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link) {
   const std::size_t count = strands_.size();
   for (std::size_t i = 0; i < count; ++i)
     for (int e = 0; e < 2; ++e) {
@@ -296,7 +297,7 @@ void Front::extend(int level, const LaidCurves& laid, int& next_link) {
       const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
       if (end.state.outside) continue;
       bool stopped = false;
-      const std::vector<GeodesicState> states = extension(end, e == 0, level, laid, &stopped);
+      const std::vector<GeodesicState> states = extension(end, e == 0, level, laid, current, &stopped);
       if (states.size() < 2) continue;
       const bool backward = e == 0;
       Strand extension;
@@ -308,15 +309,22 @@ void Front::extend(int level, const LaidCurves& laid, int& next_link) {
       extension.end[backward ? 1 : 0] = StrandEnd::linked;
       extension.end[backward ? 0 : 1] = stopped ? StrandEnd::stopped : StrandEnd::open;
       extension.link[backward ? 1 : 0] = next_link;
+      extension.fresh_end = backward ? 1 : 0;
       strands_[i].end[e] = StrandEnd::linked;
       strands_[i].link[e] = next_link++;
       strands_.push_back(std::move(extension));
     }
 }
 
+/// Whether a curve of this level on this side passes behind, nearer than W.
+bool Front::runs_ahead(const PathFrame& at, const LaidCurves& current) const {
+  const auto rival = current.rival(*tracer_, at.position, at.normal, options_.spacing_mm, -1, 0, 0);
+  return rival && side_ * rival->foot.distance_mm > 1e-3;
+}
+
 /// The geodesic on from an end of a strand, in states a step apart.
 std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
-                                            bool* stopped) const {
+                                            const LaidCurves& current, bool* stopped) const {
   const PathFrame frame = frame_of(skin(), end.state);
   const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
   GeodesicState g =
@@ -324,6 +332,7 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
   std::vector<GeodesicState> states = {g};
   const double step = std::min(options_.extension_step_mm, options_.sample_mm);
   int too_near_steps = 0;
+  std::size_t clear = 1;  // states that do not run ahead of another curve of this level
   while (g.s_mm < options_.max_extension_mm) {
     if (tracer_->advance(g, step) != TraceEnd::reached) break;
     const PathFrame at = frame_of(skin(), g);
@@ -334,6 +343,14 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
       break;
     }
     states.push_back(g);
+    if (level == 0 || !runs_ahead(at, current)) {
+      clear = states.size();
+    } else if (g.s_mm - states[clear - 1].s_mm > 0.5 * options_.spacing_mm) {
+      // It does not cross that curve soon: that curve's next level covers the place.
+      states.resize(clear);
+      *stopped = true;
+      break;
+    }
     if (g.outside && !g.in_hole && g.outside_mm > 2 * step && skin().faces().size() > 1) break;
   }
   // Shorter than a step: the end stands at the boundary to within that step.

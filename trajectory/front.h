@@ -40,6 +40,7 @@ struct Strand {
   StrandEnd end[2] = {StrandEnd::open, StrandEnd::open};
   int link[2] = {-1, -1};    ///< same number: linked ends
   int meeting[2] = {-1, -1}; ///< while the front is trimmed: the meeting at an end
+  int fresh_end = -1;        ///< of an extension at the level it was made: the end it starts from
   bool trimmed = false;      ///< all of it has passed trim_fronts at this level
   int parent = -1;           ///< laid curve of the level before ...
   double parent_offset = 0;  ///< ... and how its parameter follows from a ray's: t + offset
@@ -87,9 +88,10 @@ class Front {
   /// Walks all rays from `level` - 1 to `level`, ends strands where rays left the skin, refines.
   void advance(int level);
 
-  /// Goes on past the open ends inside the skin until the path leaves it, winds round, or comes
-  /// nearer than W to a curve of a lower level (`laid`). What of it holds is for trim_fronts to say.
-  void extend(int level, const LaidCurves& laid, int& next_link);
+  /// Goes on past the open ends inside the skin until the path leaves it, winds round, comes nearer
+  /// than W to a curve of a lower level (`laid`), or runs ahead of another curve of this level on the
+  /// same side (`current`), which will lay that place itself. What of it holds is for trim_fronts to say.
+  void extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link);
 
   /// Adds rays where neighbours part or the cubic between them would miss the level curve, and
   /// drops rays that have come too close together; the ends stay.
@@ -103,7 +105,8 @@ class Front {
   void split_where_rays_part(Strand strand, std::vector<Strand>& out) const;
   bool too_near(const PathFrame& at, const LaidCurves& laid) const;
   std::vector<GeodesicState> extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
-                                       bool* stopped) const;
+                                       const LaidCurves& current, bool* stopped) const;
+  bool runs_ahead(const PathFrame& at, const LaidCurves& current) const;
 
   const GeodesicTracer* tracer_;
   int side_;

@@ -56,7 +56,7 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
   }
   left.add_strand(std::move(strand));
   left.refine_level_zero();
-  left.extend(0, laid, next_link);
+  left.extend(0, laid, LaidCurves(skin, options.front.spacing_mm), next_link);
   right.mirror(left);
 
   std::vector<LevelCurve> left_levels, right_levels;
@@ -76,7 +76,11 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
     const std::array<Front*, 2> both = {&left, &right};
     for (Front* front : both) front->advance(level);
     trim_fronts(both, level, laid);
-    for (Front* front : both) front->extend(level, laid, next_link);
+    for (Front* front : both) {
+      LaidCurves current(skin, options.front.spacing_mm);
+      for (ChainedCurve& chain : level_curves(tracer, *front, level)) current.add(std::move(chain.curve));
+      front->extend(level, laid, current, next_link);
+    }
     trim_fronts(both, level, laid);
     // Both sides are laid only now: neither may find its own level among the lower ones.
     lay(tracer, left, level, laid, left_levels);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <tbb/parallel_for.h>
 
@@ -57,7 +58,9 @@ class Trimmer {
  private:
   void cut_at_crossings(std::array<std::vector<std::vector<Cut>>, 2>& cuts) {
     const auto crossings = front_crossings({fronts_[0], fronts_[1]}, level_);
+    const std::vector<char> reached = reached_by_extensions(crossings);
     for (std::size_t c = 0; c < crossings.size(); ++c) {
+      if (!reached[c]) continue;
       const FrontCrossing& x = crossings[c];
       PathFrame frame[2];
       Vec3 along[2];
@@ -66,13 +69,14 @@ class Trimmer {
         frame[k] = frame_of(front.skin(), x.ray[k].state);
         along[k] = front.side() * frame[k].tangent.cross(frame[k].normal);
       }
-      const bool meeting = x.ray[0].state.y > 0 && x.ray[1].state.y > 0 &&
-                           !swept(*fronts_[static_cast<std::size_t>(x.place[0].front)], x.ray[0], nullptr);
+      const bool meeting = is_meeting(x);
       for (std::size_t k = 0; k < 2; ++k) {
         Cut cut;
         cut.ray = x.ray[k];
         if (meeting) {
-          const bool onward = along[k].dot(frame[1 - k].tangent) > 0;
+          // An extension ends where it first meets another curve, from whatever side.
+          const int fresh = strand(x.place[k]).fresh_end;
+          const bool onward = fresh >= 0 ? fresh == 1 : along[k].dot(frame[1 - k].tangent) > 0;
           cut.after = onward;
           cut.before = !onward;
           cut.meeting = static_cast<int>(c);
@@ -80,6 +84,49 @@ class Trimmer {
         cuts[static_cast<std::size_t>(x.place[k].front)][x.place[k].strand].push_back(cut);
       }
     }
+  }
+
+  const Strand& strand(const StrandPlace& place) const {
+    return fronts_[static_cast<std::size_t>(place.front)]->strands()[place.strand];
+  }
+
+  bool is_meeting(const FrontCrossing& x) const {
+    return x.ray[0].state.y > 0 && x.ray[1].state.y > 0 &&
+           !swept(*fronts_[static_cast<std::size_t>(x.place[0].front)], x.ray[0], nullptr);
+  }
+
+  /// Which crossings there are when each extension ends at its first meeting.
+  std::vector<char> reached_by_extensions(const std::vector<FrontCrossing>& crossings) const {
+    struct Event {
+      double way_mm;
+      std::size_t crossing;
+    };
+    const auto way = [&](const FrontCrossing& x, std::size_t k) {
+      const Strand& s = strand(x.place[k]);
+      if (s.fresh_end < 0) return 0.0;
+      return s.fresh_end == 0 ? x.ray[k].t - s.rays.front().t : s.rays.back().t - x.ray[k].t;
+    };
+    std::vector<Event> events;
+    for (std::size_t c = 0; c < crossings.size(); ++c)
+      events.push_back({std::max(way(crossings[c], 0), way(crossings[c], 1)), c});
+    std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.way_mm < b.way_mm; });
+    std::array<std::vector<double>, 2> ends;
+    for (std::size_t f = 0; f < 2; ++f)
+      if (fronts_[f]) ends[f].assign(fronts_[f]->strands().size(), std::numeric_limits<double>::infinity());
+    std::vector<char> reached(crossings.size(), 0);
+    for (const Event& event : events) {
+      const FrontCrossing& x = crossings[event.crossing];
+      bool both = true;
+      for (std::size_t k = 0; k < 2; ++k)
+        both = both && way(x, k) <= ends[static_cast<std::size_t>(x.place[k].front)][x.place[k].strand];
+      if (!both) continue;
+      reached[event.crossing] = 1;
+      if (!is_meeting(x)) continue;
+      for (std::size_t k = 0; k < 2; ++k)
+        if (strand(x.place[k]).fresh_end >= 0)
+          ends[static_cast<std::size_t>(x.place[k].front)][x.place[k].strand] = way(x, k);
+    }
+    return reached;
   }
 
   /// Focal points: between rays whose Jacobi field changes from good to bad.
