@@ -27,7 +27,8 @@ ParallelOptions options_for(const Skin& skin) {
   o.front.sample_mm = 4;
   o.geodesic.tolerance_mm = 1e-10;
   o.geodesic.outside_limit_mm = skin.diagonal();
-  o.geodesic.margin_mm = W / 2;
+  o.front.extension_margin_mm = W / 2;
+  o.geodesic.margin_mm = 2 * W;
   return o;
 }
 

@@ -42,6 +42,17 @@ void split(const std::vector<char>& keep, Finish finish) {
 
 }  // namespace
 
+namespace {
+
+GeodesicOptions for_extensions(GeodesicOptions options, double margin_mm) {
+  options.margin_mm = margin_mm;
+  // Short of the far side, where extensions of both ends of a path round a dome would overlap.
+  options.outside_limit_mm *= 0.7;
+  return options;
+}
+
+}  // namespace
+
 CurveNode level_node(const Skin& skin, const SourceCurve& source, const Ray& ray, int side) {
   CurveNode node;
   node.t = ray.t;
@@ -67,7 +78,8 @@ bool same_chart(const Skin& skin, const CurveNode& a, const CurveNode& b) {
 }
 
 Front::Front(const GeodesicTracer& tracer, int side, const FrontOptions& options)
-    : tracer_(&tracer), side_(side), options_(options) {}
+    : tracer_(&tracer), extension_tracer_(tracer.skin(), for_extensions(tracer.options(), options.extension_margin_mm)),
+      side_(side), options_(options) {}
 
 int Front::add_source(std::shared_ptr<const SourceCurve> curve, int birth) {
   sources_.push_back({std::move(curve), birth});
@@ -276,11 +288,11 @@ bool Front::too_near(const PathFrame& at, const LaidCurves& laid) const {
 
 namespace {
 
-/// Whether a path has come abreast of its own older part, within `near_mm`.
-bool winds_round(const Skin& skin, const std::vector<GeodesicState>& states, const PathFrame& at, double near_mm) {
-  const double s = states.back().s_mm;
+/// Whether a state of `states`, up to arc length `until_mm`, lies beside `at` within `near_mm`.
+bool passes(const Skin& skin, const std::vector<GeodesicState>& states, double until_mm, const PathFrame& at,
+            double near_mm) {
   for (const GeodesicState& old : states) {
-    if (s - old.s_mm < 3 * near_mm) break;
+    if (old.s_mm > until_mm) break;
     const Vec3 r = skin.point(old.at) - at.position;
     if (r.norm() < near_mm && std::abs(r.dot(at.tangent)) < 0.25 * near_mm) return true;
   }
@@ -291,14 +303,16 @@ bool winds_round(const Skin& skin, const std::vector<GeodesicState>& states, con
 
 void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link) {
   const std::size_t count = strands_.size();
+  std::vector<std::vector<GeodesicState>> made;
   for (std::size_t i = 0; i < count; ++i)
     for (int e = 0; e < 2; ++e) {
       if (strands_[i].end[e] != StrandEnd::open) continue;
       const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
       if (end.state.outside) continue;
       bool stopped = false;
-      const std::vector<GeodesicState> states = extension(end, e == 0, level, laid, current, &stopped);
+      const std::vector<GeodesicState> states = extension(end, e == 0, level, laid, current, made, &stopped);
       if (states.size() < 2) continue;
+      if (level == 0) made.push_back(states);
       const bool backward = e == 0;
       Strand extension;
       extension.source = add_source(std::make_shared<GeodesicPath>(*tracer_, states, backward), level);
@@ -324,21 +338,28 @@ bool Front::runs_ahead(const PathFrame& at, const LaidCurves& current) const {
 
 /// The geodesic on from an end of a strand, in states a step apart.
 std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
-                                            const LaidCurves& current, bool* stopped) const {
+                                            const LaidCurves& current,
+                                            const std::vector<std::vector<GeodesicState>>& made, bool* stopped) const {
   const PathFrame frame = frame_of(skin(), end.state);
   const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
   GeodesicState g =
-      tracer_->start(end.state.at, backward ? Vec3(-level_tangent) : level_tangent, end.state.normal_sign);
+      extension_tracer_.start(end.state.at, backward ? Vec3(-level_tangent) : level_tangent, end.state.normal_sign);
   std::vector<GeodesicState> states = {g};
   const double step = std::min(options_.extension_step_mm, options_.sample_mm);
   int too_near_steps = 0;
   std::size_t clear = 1;  // states that do not run ahead of another curve of this level
   while (g.s_mm < options_.max_extension_mm) {
-    if (tracer_->advance(g, step) != TraceEnd::reached) break;
+    if (extension_tracer_.advance(g, step) != TraceEnd::reached) break;
     const PathFrame at = frame_of(skin(), g);
     // A few steps into what has been swept, so that the crossing with the front that swept it is seen.
     too_near_steps = level > 0 && too_near(at, laid) ? too_near_steps + 1 : 0;
-    if (winds_round(skin(), states, at, 0.9 * options_.spacing_mm) || too_near_steps > 3) {
+    const double near = 0.9 * options_.spacing_mm;
+    bool met = passes(skin(), states, g.s_mm - 3 * near, at, near) || too_near_steps > 3;
+    // Level 0 keeps clear of itself: nothing has been swept yet.
+    if (level == 0 && g.s_mm > 3 * near)
+      met = met || current.abreast(at.position, at.normal, at.tangent, near, options_.sample_mm);
+    for (const auto& other : made) met = met || passes(skin(), other, other.back().s_mm, at, near);
+    if (met) {
       *stopped = true;
       break;
     }
@@ -356,7 +377,7 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
   // Shorter than a step: the end stands at the boundary to within that step.
   for (double part = 0.5 * step; part > 1e-6 && states.size() < 2 && !*stopped; part *= 0.5) {
     GeodesicState h = states.front();
-    if (tracer_->advance(h, part) == TraceEnd::reached) states.push_back(h);
+    if (extension_tracer_.advance(h, part) == TraceEnd::reached) states.push_back(h);
   }
   return states;
 }

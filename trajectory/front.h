@@ -15,6 +15,7 @@ struct FrontOptions {
   double hermite_tolerance_mm = 1e-5;  ///< estimated error of the cubic between rays
   double extension_step_mm = 5;
   double max_extension_mm = 1e6;
+  double extension_margin_mm = 0;      ///< how far an extension goes beyond the natural domain; rays: the tracer's
   double validity_tolerance_mm = 2e-4; ///< a point is kept if no curve is nearer than W minus this: what Hermite
                                        ///< curves and joined faces may be off; meetings themselves are solved
 };
@@ -105,10 +106,12 @@ class Front {
   void split_where_rays_part(Strand strand, std::vector<Strand>& out) const;
   bool too_near(const PathFrame& at, const LaidCurves& laid) const;
   std::vector<GeodesicState> extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
-                                       const LaidCurves& current, bool* stopped) const;
+                                       const LaidCurves& current,
+                                       const std::vector<std::vector<GeodesicState>>& made, bool* stopped) const;
   bool runs_ahead(const PathFrame& at, const LaidCurves& current) const;
 
   const GeodesicTracer* tracer_;
+  GeodesicTracer extension_tracer_;
   int side_;
   FrontOptions options_;
   std::vector<FrontSource> sources_;

@@ -38,6 +38,13 @@ void lay(const GeodesicTracer& tracer, Front& front, int level, LaidCurves& laid
   if (!result.curves.empty()) out.push_back(std::move(result));
 }
 
+/// The curves of a front at a level, found by place.
+LaidCurves curves_of(const GeodesicTracer& tracer, const Front& front, int level, const ParallelOptions& options) {
+  LaidCurves out(tracer.skin(), options.front.spacing_mm);
+  for (ChainedCurve& chain : level_curves(tracer, front, level)) out.add(std::move(chain.curve));
+  return out;
+}
+
 }  // namespace
 
 Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve> reference,
@@ -56,7 +63,8 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
   }
   left.add_strand(std::move(strand));
   left.refine_level_zero();
-  left.extend(0, laid, LaidCurves(skin, options.front.spacing_mm), next_link);
+  left.extend(0, laid, curves_of(tracer, left, 0, options), next_link);
+  trim_fronts({&left, nullptr}, 0, laid);
   right.mirror(left);
 
   std::vector<LevelCurve> left_levels, right_levels;
@@ -76,11 +84,7 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
     const std::array<Front*, 2> both = {&left, &right};
     for (Front* front : both) front->advance(level);
     trim_fronts(both, level, laid);
-    for (Front* front : both) {
-      LaidCurves current(skin, options.front.spacing_mm);
-      for (ChainedCurve& chain : level_curves(tracer, *front, level)) current.add(std::move(chain.curve));
-      front->extend(level, laid, current, next_link);
-    }
+    for (Front* front : both) front->extend(level, laid, curves_of(tracer, *front, level, options), next_link);
     trim_fronts(both, level, laid);
     // Both sides are laid only now: neither may find its own level among the lower ones.
     lay(tracer, left, level, laid, left_levels);
