@@ -51,6 +51,12 @@ GeodesicOptions for_extensions(GeodesicOptions options, double margin_mm) {
   return options;
 }
 
+GeodesicOptions for_probes(GeodesicOptions options, double validity_tolerance_mm) {
+  // The global error over a band was up to ten times the local one.
+  options.tolerance_mm = std::max(options.tolerance_mm, validity_tolerance_mm / 100);
+  return options;
+}
+
 }  // namespace
 
 CurveNode level_node(const Skin& skin, const SourceCurve& source, const Ray& ray, int side) {
@@ -79,6 +85,7 @@ bool same_chart(const Skin& skin, const CurveNode& a, const CurveNode& b) {
 
 Front::Front(const GeodesicTracer& tracer, int side, const FrontOptions& options)
     : tracer_(&tracer), extension_tracer_(tracer.skin(), for_extensions(tracer.options(), options.extension_margin_mm)),
+      probe_tracer_(tracer.skin(), for_probes(tracer.options(), options.validity_tolerance_mm)),
       side_(side), options_(options) {}
 
 int Front::add_source(std::shared_ptr<const SourceCurve> curve, int birth) {
@@ -282,7 +289,7 @@ void Front::settle_links() {
 
 /// Whether a curve of a lower level lies nearer than W.
 bool Front::too_near(const PathFrame& at, const LaidCurves& laid) const {
-  return laid.rival(*tracer_, at.position, at.normal, options_.spacing_mm - options_.validity_tolerance_mm, -1, 0, 0)
+  return laid.rival(probe_tracer_, at.position, at.normal, options_.spacing_mm - options_.validity_tolerance_mm, -1, 0, 0)
       .has_value();
 }
 
@@ -332,7 +339,7 @@ void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current,
 
 /// Whether a curve of this level on this side passes behind, nearer than W.
 bool Front::runs_ahead(const PathFrame& at, const LaidCurves& current) const {
-  const auto rival = current.rival(*tracer_, at.position, at.normal, options_.spacing_mm, -1, 0, 0);
+  const auto rival = current.rival(probe_tracer_, at.position, at.normal, options_.spacing_mm, -1, 0, 0);
   return rival && side_ * rival->foot.distance_mm > 1e-3;
 }
 

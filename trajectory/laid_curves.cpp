@@ -61,7 +61,8 @@ std::optional<LaidCurves::Rival> LaidCurves::rival(const GeodesicTracer& tracer,
   std::optional<Rival> best;
   for (const auto& [c, i] : minima) {
     const Entry& entry = curves_[static_cast<std::size_t>(c)];
-    const auto foot = geodesic_foot(tracer, entry.curve, entry.nodes[static_cast<std::size_t>(i)].t, p, 1e-7);
+    const double tolerance = std::max(1e-7, 10 * tracer.options().tolerance_mm);
+    const auto foot = geodesic_foot(tracer, entry.curve, entry.nodes[static_cast<std::size_t>(i)].t, p, tolerance);
     if (!foot || std::abs(foot->distance_mm) >= limit_mm) continue;
     if (c == own && std::abs(foot->t - own_t) <= own_reach_mm) continue;
     if (!best || std::abs(foot->distance_mm) < std::abs(best->foot.distance_mm)) best = Rival{c, *foot};

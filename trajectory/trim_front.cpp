@@ -172,7 +172,7 @@ class Trimmer {
     // Far from folds the stretch that the ray left cannot be nearer by another way.
     const bool plain = strand && ray.state.y > 0.5;
     return laid_
-        .rival(front.tracer(), frame.position, frame.normal,
+        .rival(front.probe_tracer(), frame.position, frame.normal,
                front.options().spacing_mm - front.options().validity_tolerance_mm, plain ? strand->parent : -1,
                plain ? ray.t + strand->parent_offset : 0, plain ? 1.5 * front.options().sample_mm : 0)
         .has_value();
