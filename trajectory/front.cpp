@@ -363,8 +363,7 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
     const double near = 0.9 * options_.spacing_mm;
     bool met = passes(skin(), states, g.s_mm - 3 * near, at, near) || too_near_steps > 3;
     // Level 0 keeps clear of itself: nothing has been swept yet.
-    if (level == 0 && g.s_mm > 3 * near)
-      met = met || current.abreast(at.position, at.normal, at.tangent, near, options_.sample_mm);
+    if (level == 0) met = met || current.abreast(at.position, at.normal, at.tangent, near, 1.5 * options_.sample_mm);
     for (const auto& other : made) met = met || passes(skin(), other, other.back().s_mm, at, near);
     if (met) {
       *stopped = true;

@@ -90,7 +90,10 @@ bool LaidCurves::abreast(const Vec3& p, const Vec3& n, const Vec3& along, double
   visit_near(p, limit_mm, [&](int c, int i) {
     const Node& node = curves_[static_cast<std::size_t>(c)].nodes[static_cast<std::size_t>(i)];
     const Vec3 r = node.position - p;
-    if (r.norm() < limit_mm && std::abs(r.dot(along)) <= abreast_mm && node.normal.dot(n) > 0.5) found = true;
+    const double ahead = std::abs(r.dot(along));
+    if (r.norm() < limit_mm && ahead <= abreast_mm && r.squaredNorm() - ahead * ahead > abreast_mm * abreast_mm &&
+        node.normal.dot(n) > 0.5)
+      found = true;
   });
   return found;
 }

@@ -35,7 +35,7 @@ class LaidCurves {
   double distance(const Vec3& p, const Vec3& n, double limit_mm) const;
 
   /// Whether a node with a like normal lies within `limit_mm` of p, abreast of the direction `along`
-  /// (its offset along it is at most `abreast_mm`).
+  /// (its offset along it is at most `abreast_mm`) and off to the side by more than `abreast_mm`.
   bool abreast(const Vec3& p, const Vec3& n, const Vec3& along, double limit_mm, double abreast_mm) const;
 
  private:

@@ -61,6 +61,9 @@ class Trimmer {
     const std::vector<char> reached = reached_by_extensions(crossings);
     for (std::size_t c = 0; c < crossings.size(); ++c) {
       if (!reached[c]) continue;
+      // The reference itself is laid as it is; only its extensions are cut.
+      if (level_ == 0 && strand(crossings[c].place[0]).fresh_end < 0 && strand(crossings[c].place[1]).fresh_end < 0)
+        continue;
       const FrontCrossing& x = crossings[c];
       PathFrame frame[2];
       Vec3 along[2];
@@ -73,6 +76,7 @@ class Trimmer {
       for (std::size_t k = 0; k < 2; ++k) {
         Cut cut;
         cut.ray = x.ray[k];
+        if (level_ == 0 && strand(x.place[k]).fresh_end < 0) continue;
         if (meeting) {
           // An extension ends where it first meets another curve, from whatever side.
           const int fresh = strand(x.place[k]).fresh_end;
