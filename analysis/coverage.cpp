@@ -11,6 +11,7 @@
 namespace afptraj {
 namespace {
 
+constexpr double slack_mm = 1e-3;  // bands that lie edge to edge, to the accuracy of their courses, leave no gap
 constexpr int no_course = std::numeric_limits<int>::min();
 
 struct Sample {
@@ -150,7 +151,7 @@ Coverage measure_coverage(const GeodesicTracer& tracer, const std::vector<Course
                           const JudgeOptions& options) {
   const Skin& skin = tracer.skin();
   const double W = options.band_width_mm;
-  const CoverageJudge judge(tracer, lines, index, W / 2);
+  const CoverageJudge judge(tracer, lines, index, W / 2 + slack_mm);
   const std::vector<AreaSample> samples = spread_samples(skin, options.area_samples);
   std::vector<Sample> judged(samples.size());
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {

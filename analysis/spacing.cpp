@@ -197,18 +197,17 @@ class Survey {
     tbb::parallel_for(std::size_t{0}, fresh.size(), [&](std::size_t i) { results_[done + i] = judge_.measure(fresh[i]); });
   }
 
+  /// Measures the worst again, by a judge that is more exact.
+  void confirm(const SpacingJudge& exact, std::size_t count) {
+    const std::vector<std::size_t> order = worst_indices(count);
+    tbb::parallel_for(std::size_t{0}, order.size(),
+                      [&](std::size_t i) { results_[order[i]] = exact.measure(probes_[order[i]]); });
+  }
+
   /// The probes with the greatest errors.
   std::vector<Probe> worst(std::size_t count) const {
-    std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < results_.size(); ++i)
-      if (results_[i].outcome == Outcome::measured) order.push_back(i);
-    count = std::min(count, order.size());
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-                      [&](std::size_t a, std::size_t b) {
-                        return std::make_pair(-results_[a].error_mm, a) < std::make_pair(-results_[b].error_mm, b);
-                      });
     std::vector<Probe> out;
-    for (std::size_t i = 0; i < count; ++i) out.push_back(probes_[order[i]]);
+    for (const std::size_t i : worst_indices(count)) out.push_back(probes_[i]);
     return out;
   }
 
@@ -233,6 +232,19 @@ class Survey {
   }
 
  private:
+  std::vector<std::size_t> worst_indices(std::size_t count) const {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < results_.size(); ++i)
+      if (results_[i].outcome == Outcome::measured) order.push_back(i);
+    count = std::min(count, order.size());
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+                      [&](std::size_t a, std::size_t b) {
+                        return std::make_pair(-results_[a].error_mm, a) < std::make_pair(-results_[b].error_mm, b);
+                      });
+    order.resize(count);
+    return order;
+  }
+
   const SpacingJudge& judge_;
   const std::vector<CourseLine>& lines_;
   std::set<std::tuple<int, std::size_t, double>> known_;
@@ -291,6 +303,9 @@ SpacingError measure_spacing(const GeodesicTracer& tracer, const std::vector<Cou
   for (const Probe& probe : survey.worst(worst_kept))
     for (const double x : {0.1, 0.3, 0.7, 0.9}) within.push_back({probe.line, probe.chord, x});
   survey.measure(within);
+  // A walk is too short or too long by about ten times its tolerance: what is reported is measured again.
+  const GeodesicTracer fine(tracer.skin(), judge_geodesics(tracer.skin(), options.band_width_mm, 1e-3 * options.tolerance_mm));
+  survey.confirm(SpacingJudge(fine, lines, index, ends, options.band_width_mm), 2 * worst_kept);
   return survey.summary();
 }
 
