@@ -6,8 +6,10 @@
 namespace afptraj {
 namespace {
 
-constexpr double close_mm = 1e-4;  // residual whose square, over a radius of curvature, is nothing
 constexpr int most_iterations = 24;
+
+/// A residual whose square, over a radius of curvature, is no more than the error of the walk.
+double close_enough(const GeodesicTracer& tracer) { return std::clamp(1e4 * tracer.options().tolerance_mm, 1e-6, 1e-3); }
 
 GeodesicState leave(const GeodesicTracer& tracer, const CourseLine& line, const CurveFrame& foot, double side) {
   GeodesicState g = tracer.start(foot.at, side * foot.frame.left(), foot.normal_sign, 1, -side * foot.kg_per_mm);
@@ -30,6 +32,7 @@ GeodesicOptions judge_geodesics(const Skin& skin, double band_width_mm, double t
 
 Way way_from_line(const GeodesicTracer& tracer, const CourseLine& line, const WaySeed& seed, const Vec3& p) {
   const double first = line.t.front(), last = line.t.back(), turn = last - first;
+  const double close_mm = close_enough(tracer);
   const double longest = 3 * std::max(seed.distance_mm, 1e-3);
   const double side = seed.side;
   double t = std::clamp(seed.t, first, last), d = seed.distance_mm;
@@ -64,6 +67,7 @@ Way way_from_line(const GeodesicTracer& tracer, const CourseLine& line, const Wa
 
 std::optional<double> way_from_point(const GeodesicTracer& tracer, const CurveFrame& from, const Vec3& p,
                                      double distance_mm) {
+  const double close_mm = close_enough(tracer);
   const Vec3 n = from.frame.normal;
   const Vec3 chord = p - from.frame.position;
   Vec3 direction = chord - chord.dot(n) * n;
