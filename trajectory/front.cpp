@@ -11,7 +11,7 @@
 namespace afptraj {
 namespace {
 
-constexpr double end_tolerance_mm = 1e-7;  // how closely the end of a strand is located
+constexpr double least_t_mm = 1e-3;  // rays are not placed closer than this along their source
 
 double chord(const Skin& skin, const Ray& a, const Ray& b) {
   return (skin.point(a.state.at) - skin.point(b.state.at)).norm();
@@ -99,7 +99,7 @@ void Front::mirror(const Front& other) {
     for (Ray& ray : strand.rays) ray = shoot(strand.source, ray.t, 0, nullptr);
 }
 
-void Front::advance(int level, const LaidCurves& laid) {
+void Front::advance(int level) {
   std::vector<Strand> next;
   for (Strand& strand : strands_) {
     std::vector<char> alive(strand.rays.size());
@@ -108,14 +108,37 @@ void Front::advance(int level, const LaidCurves& laid) {
     });
     for (Strand& run : alive_runs(strand, alive, level)) {
       refine(run, level);
-      for (Strand& kept : valid_runs(run, level, laid)) {
-        refine(kept, level);  // a new end may stand close to a cusp
-        next.push_back(std::move(kept));
-      }
+      run.trimmed = false;
+      run.fresh_end = -1;
+      split_where_rays_part(std::move(run), next);
     }
   }
   strands_ = std::move(next);
   settle_links();
+}
+
+/// Where no ray leads between two neighbours however close (a vertex, or an edge whose curvature is
+/// negative: shortest paths run along it and leave it on either side), the front has two ends.
+void Front::split_where_rays_part(Strand strand, std::vector<Strand>& out) const {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i + 1 < strand.rays.size(); ++i) {
+    if (strand.rays[i + 1].t - strand.rays[i].t > 4 * least_t_mm ||
+        chord(skin(), strand.rays[i], strand.rays[i + 1]) < 2 * options_.sample_mm)
+      continue;
+    if (i > first) {
+      Strand before = strand;
+      before.rays.assign(strand.rays.begin() + static_cast<std::ptrdiff_t>(first),
+                         strand.rays.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      before.end[1] = StrandEnd::open;
+      before.link[1] = -1;
+      out.push_back(std::move(before));
+    }
+    first = i + 1;
+    strand.end[0] = StrandEnd::open;
+    strand.link[0] = -1;
+  }
+  strand.rays.erase(strand.rays.begin(), strand.rays.begin() + static_cast<std::ptrdiff_t>(first));
+  if (strand.rays.size() >= 2) out.push_back(std::move(strand));
 }
 
 /// Runs of rays still on the skin; each new end is moved to the last ray that is.
@@ -157,8 +180,6 @@ std::vector<Strand> Front::alive_runs(const Strand& strand, const std::vector<ch
   return out;
 }
 
-/// Adds rays where neighbours part or the cubic between them would miss the level curve, and drops
-/// rays that have come too close together.
 void Front::refine(Strand& strand, int level) const {
   const Skin& skin = tracer_->skin();
   const SourceCurve& source = *sources_[static_cast<std::size_t>(strand.source)].curve;
@@ -174,7 +195,7 @@ void Front::refine(Strand& strand, int level) const {
     }
     strand.rays = std::move(thinned);
   }
-  for (int round = 0; round < 10; ++round) {
+  for (int round = 0; round < 20; ++round) {
     const std::size_t n = strand.rays.size();
     std::vector<CurveNode> nodes(n);
     for_each_index(n, [&](std::size_t i) { nodes[i] = level_node(skin, source, strand.rays[i], side_); });
@@ -205,7 +226,7 @@ void Front::refine(Strand& strand, int level) const {
     }
     std::vector<std::size_t> gaps;
     for (std::size_t i = 0; i + 1 < n; ++i) {
-      if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < 1e-3) continue;
+      if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < least_t_mm) continue;
       // Near a focal point rays crowd together in space but not in t: only t bounds the halving there.
       const bool focal = std::min(std::abs(strand.rays[i].state.y), std::abs(strand.rays[i + 1].state.y)) < 0.1;
       if (focal || !joined[i] || chord(skin, strand.rays[i], strand.rays[i + 1]) > 0.02 * options_.sample_mm)
@@ -234,51 +255,6 @@ void Front::refine(Strand& strand, int level) const {
   }
 }
 
-bool Front::is_valid(const Ray& ray, const Strand& strand, const LaidCurves& laid) const {
-  if (ray.state.y <= 0) return false;  // beyond the focal point
-  const PathFrame frame = frame_of(tracer_->skin(), ray.state);
-  const double own_reach = 1.5 * options_.sample_mm;
-  return !laid.rival(*tracer_, frame.position, frame.normal, options_.spacing_mm - options_.validity_tolerance_mm,
-                     strand.parent, ray.t + strand.parent_offset, own_reach);
-}
-
-/// Runs of rays that no other curve reaches sooner; each new end is moved to where the fronts meet.
-std::vector<Strand> Front::valid_runs(const Strand& strand, int level, const LaidCurves& laid) const {
-  std::vector<char> valid(strand.rays.size());
-  for_each_index(strand.rays.size(), [&](std::size_t i) { valid[i] = is_valid(strand.rays[i], strand, laid); });
-  std::vector<Strand> out;
-  split(valid, [&](std::size_t first, std::size_t last) {
-    Strand run = strand;
-    run.rays.assign(strand.rays.begin() + static_cast<std::ptrdiff_t>(first),
-                    strand.rays.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-    const auto find_meeting = [&](const Ray& in, const Ray& beyond) {
-      Ray a = in, b = beyond;
-      for (int i = 0; i < 60 && chord(tracer_->skin(), a, b) > end_tolerance_mm; ++i) {
-        bool alive = false;
-        const Ray mid = shoot(strand.source, 0.5 * (a.t + b.t), level, &alive);
-        if (mid.t == a.t || mid.t == b.t) break;
-        (alive && is_valid(mid, strand, laid) ? a : b) = mid;
-      }
-      return a;
-    };
-    if (first > 0) {
-      run.end[0] = StrandEnd::corner;
-      run.link[0] = -1;
-      const Ray end = find_meeting(strand.rays[first], strand.rays[first - 1]);
-      if (end.t < run.rays.front().t) run.rays.insert(run.rays.begin(), end);
-    }
-    if (last + 1 < strand.rays.size()) {
-      run.end[1] = StrandEnd::corner;
-      run.link[1] = -1;
-      const Ray end = find_meeting(strand.rays[last], strand.rays[last + 1]);
-      if (end.t > run.rays.back().t) run.rays.push_back(end);
-    }
-    if (run.rays.size() >= 2) out.push_back(std::move(run));
-  });
-  return out;
-}
-
-/// A link holds only while both of its ends do.
 void Front::settle_links() {
   for (std::size_t i = 0; i < strands_.size(); ++i)
     for (int e = 0; e < 2; ++e) {
@@ -292,13 +268,10 @@ void Front::settle_links() {
     }
 }
 
-/// Whether a curve on the skin lies nearer than W: an extension must keep its distance too.
+/// Whether a curve of a lower level lies nearer than W.
 bool Front::too_near(const PathFrame& at, const LaidCurves& laid) const {
-  constexpr double allowed_mm = 5e-4;  // half of what the spacing may be off
-  const auto rival = laid.rival(*tracer_, at.position, at.normal, options_.spacing_mm - allowed_mm, -1, 0, 0);
-  if (!rival) return false;
-  const CurveFrame foot = frame_at(tracer_->skin(), laid.curve(rival->curve), rival->foot.t);
-  return tracer_->skin().trim(foot.at.face).contains(foot.at.uv);
+  return laid.rival(*tracer_, at.position, at.normal, options_.spacing_mm - options_.validity_tolerance_mm, -1, 0, 0)
+      .has_value();
 }
 
 namespace {
@@ -317,65 +290,75 @@ bool winds_round(const Skin& skin, const std::vector<GeodesicState>& states, con
 }  // namespace
 
 void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link) {
-  const Skin& skin = tracer_->skin();
   const std::size_t count = strands_.size();
   for (std::size_t i = 0; i < count; ++i)
     for (int e = 0; e < 2; ++e) {
       if (strands_[i].end[e] != StrandEnd::open) continue;
       const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
       if (end.state.outside) continue;
-      const PathFrame frame = frame_of(skin, end.state);
-      const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
-      const Vec3 ahead = e == 0 ? Vec3(-level_tangent) : level_tangent;
-      GeodesicState g = tracer_->start(end.state.at, ahead, end.state.normal_sign);
-      std::vector<GeodesicState> states = {g};
-      const double step = std::min(options_.extension_step_mm, options_.sample_mm);
-      bool met = false;
-      while (g.s_mm < options_.max_extension_mm) {
-        const TraceEnd walked = tracer_->advance(g, step);
-        if (walked != TraceEnd::reached) break;
-        const PathFrame at = frame_of(skin, g);
-        const double near = 0.9 * options_.spacing_mm;
-        if (winds_round(skin, states, at, near) || (level > 0 && !g.outside && too_near(at, laid)) || laid.abreast(at.position, at.normal, at.tangent, near, 0.75 * step + options_.sample_mm) ||
-            (g.s_mm > 2 * options_.sample_mm &&  // past the nodes of the strand it leaves
-             current.abreast(at.position, at.normal, at.tangent, 0.5 * options_.spacing_mm, 0.75 * options_.sample_mm))) {
-          met = true;
-          break;
-        }
-        states.push_back(g);
-        if (g.outside && !g.in_hole && g.outside_mm > 2 * step && skin.faces().size() > 1) break;
-      }
-      if (states.size() < 2) {
-        // Shorter than a step: the end stands at the boundary to within that step.
-        bool found = false;
-        for (double part = 0.5 * step; part > 1e-6 && !found && !met; part *= 0.5) {
-          GeodesicState h = states.front();
-          if (tracer_->advance(h, part) == TraceEnd::reached) {
-            states.push_back(h);
-            found = true;
-          }
-        }
-        if (!found) {
-          strands_[i].end[e] = met ? StrandEnd::corner : StrandEnd::open;
-          continue;
-        }
-      }
+      bool stopped = false;
+      const std::vector<GeodesicState> states = extension(end, e == 0, level, laid, current, &stopped);
+      if (states.size() < 2) continue;
       const bool backward = e == 0;
       Strand extension;
-      extension.source =
-          add_source(std::make_shared<GeodesicPath>(*tracer_, states, backward), level);
-      for (const GeodesicState& s : states) {
-        const double t = backward ? -s.s_mm : s.s_mm;
-        extension.rays.push_back(shoot(extension.source, t, level, nullptr));
-      }
+      extension.source = add_source(std::make_shared<GeodesicPath>(*tracer_, states, backward), level);
+      for (const GeodesicState& s : states)
+        extension.rays.push_back(shoot(extension.source, backward ? -s.s_mm : s.s_mm, level, nullptr));
       if (backward) std::reverse(extension.rays.begin(), extension.rays.end());
+      refine(extension, level);
       extension.end[backward ? 1 : 0] = StrandEnd::linked;
-      extension.end[backward ? 0 : 1] = met ? StrandEnd::corner : StrandEnd::open;
+      extension.end[backward ? 0 : 1] = stopped ? StrandEnd::stopped : StrandEnd::open;
       extension.link[backward ? 1 : 0] = next_link;
+      extension.fresh_end = backward ? 1 : 0;
       strands_[i].end[e] = StrandEnd::linked;
       strands_[i].link[e] = next_link++;
       strands_.push_back(std::move(extension));
     }
+}
+
+/// Whether a curve of this level on this side passes behind, nearer than W.
+bool Front::runs_ahead(const PathFrame& at, const LaidCurves& current) const {
+  const auto rival = current.rival(*tracer_, at.position, at.normal, options_.spacing_mm, -1, 0, 0);
+  return rival && side_ * rival->foot.distance_mm > 1e-3;
+}
+
+/// The geodesic on from an end of a strand, in states a step apart.
+std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
+                                            const LaidCurves& current, bool* stopped) const {
+  const PathFrame frame = frame_of(skin(), end.state);
+  const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
+  GeodesicState g =
+      tracer_->start(end.state.at, backward ? Vec3(-level_tangent) : level_tangent, end.state.normal_sign);
+  std::vector<GeodesicState> states = {g};
+  const double step = std::min(options_.extension_step_mm, options_.sample_mm);
+  int too_near_steps = 0;
+  std::size_t clear = 1;  // states that do not run ahead of another curve of this level
+  while (g.s_mm < options_.max_extension_mm) {
+    if (tracer_->advance(g, step) != TraceEnd::reached) break;
+    const PathFrame at = frame_of(skin(), g);
+    // A few steps into what has been swept, so that the crossing with the front that swept it is seen.
+    too_near_steps = level > 0 && too_near(at, laid) ? too_near_steps + 1 : 0;
+    if (winds_round(skin(), states, at, 0.9 * options_.spacing_mm) || too_near_steps > 3) {
+      *stopped = true;
+      break;
+    }
+    states.push_back(g);
+    if (level == 0 || !runs_ahead(at, current)) {
+      clear = states.size();
+    } else if (g.s_mm - states[clear - 1].s_mm > 0.5 * options_.spacing_mm) {
+      // It does not cross that curve soon: that curve's next level covers the place.
+      states.resize(clear);
+      *stopped = true;
+      break;
+    }
+    if (g.outside && !g.in_hole && g.outside_mm > 2 * step && skin().faces().size() > 1) break;
+  }
+  // Shorter than a step: the end stands at the boundary to within that step.
+  for (double part = 0.5 * step; part > 1e-6 && states.size() < 2 && !*stopped; part *= 0.5) {
+    GeodesicState h = states.front();
+    if (tracer_->advance(h, part) == TraceEnd::reached) states.push_back(h);
+  }
+  return states;
 }
 
 }  // namespace afptraj

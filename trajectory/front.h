@@ -15,7 +15,8 @@ struct FrontOptions {
   double hermite_tolerance_mm = 1e-5;  ///< estimated error of the cubic between rays
   double extension_step_mm = 5;
   double max_extension_mm = 1e6;
-  double validity_tolerance_mm = 1e-6; ///< a point is kept if no curve is nearer than W minus this
+  double validity_tolerance_mm = 2e-4; ///< a point is kept if no curve is nearer than W minus this: what Hermite
+                                       ///< curves and joined faces may be off; meetings themselves are solved
 };
 
 /// A geodesic shot at a right angle from parameter `t` of a source curve.
@@ -27,7 +28,8 @@ struct Ray {
 /// Why a strand ends where it does.
 enum class StrandEnd {
   open,    ///< the rays beyond left the skin
-  corner,  ///< the rays beyond are nearer to another curve: two fronts meet here
+  corner,  ///< two fronts meet here
+  stopped, ///< the rays beyond are nearer to another curve, whose front has left the skin
   linked,  ///< the next strand goes on here, from another source
 };
 
@@ -37,6 +39,9 @@ struct Strand {
   std::vector<Ray> rays;
   StrandEnd end[2] = {StrandEnd::open, StrandEnd::open};
   int link[2] = {-1, -1};    ///< same number: linked ends
+  int meeting[2] = {-1, -1}; ///< while the front is trimmed: the meeting at an end
+  int fresh_end = -1;        ///< of an extension at the level it was made: the end it starts from
+  bool trimmed = false;      ///< all of it has passed trim_fronts at this level
   int parent = -1;           ///< laid curve of the level before ...
   double parent_offset = 0;  ///< ... and how its parameter follows from a ray's: t + offset
 };
@@ -50,17 +55,19 @@ struct FrontSource {
 /// One side of a family of geodesic parallels: the rays, level by level.
 ///
 /// At each level: all rays walk W; those that leave the skin end, and the front ends there exactly;
-/// rays are added where neighbours part; rays nearer to another curve of the level before than W
-/// are dropped (by the triangle inequality this is exact: a shortest path to p crosses that level at
-/// a kept point), and the front ends at the point where two fronts meet. Where an end lies inside
-/// the skin because the level before ended at a boundary, the level curve goes on along its own
-/// geodesic, which becomes a source of rays itself.
+/// rays are added where neighbours part. trim_fronts (trim_front.h) then cuts both sides where fronts meet.
+/// Where an end lies inside the skin because the level before ended at a boundary, or at a focal
+/// point beyond which no ray leads, the level curve goes on along its own geodesic, which becomes a
+/// source of rays itself.
 class Front {
  public:
   /// `side` +1: left of the sources, -1: right.
   Front(const GeodesicTracer& tracer, int side, const FrontOptions& options);
 
   int side() const { return side_; }
+  const GeodesicTracer& tracer() const { return *tracer_; }
+  const Skin& skin() const { return tracer_->skin(); }
+  const FrontOptions& options() const { return options_; }
   const std::vector<Strand>& strands() const { return strands_; }
   std::vector<Strand>& strands() { return strands_; }
   const FrontSource& source(int index) const { return sources_[static_cast<std::size_t>(index)]; }
@@ -78,20 +85,28 @@ class Front {
   /// Takes over the sources and strands of level 0 of the other side: the same places, rays turned round.
   void mirror(const Front& other);
 
-  /// Walks all rays from `level` - 1 to `level` and trims the front.
-  void advance(int level, const LaidCurves& laid);
+  /// Walks all rays from `level` - 1 to `level`, ends strands where rays left the skin, refines.
+  void advance(int level);
 
-  /// Goes on past the open ends inside the skin; `laid` holds the lower levels, `current` the
-  /// curves of this level on both sides.
+  /// Goes on past the open ends inside the skin until the path leaves it, winds round, comes nearer
+  /// than W to a curve of a lower level (`laid`), or runs ahead of another curve of this level on the
+  /// same side (`current`), which will lay that place itself. What of it holds is for trim_fronts to say.
   void extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link);
+
+  /// Adds rays where neighbours part or the cubic between them would miss the level curve, and
+  /// drops rays that have come too close together; the ends stay.
+  void refine(Strand& strand, int level) const;
+
+  /// A link holds only while both of its ends do; else they are open.
+  void settle_links();
 
  private:
   std::vector<Strand> alive_runs(const Strand& strand, const std::vector<char>& alive, int level) const;
-  std::vector<Strand> valid_runs(const Strand& strand, int level, const LaidCurves& laid) const;
-  void refine(Strand& strand, int level) const;
-  bool is_valid(const Ray& ray, const Strand& strand, const LaidCurves& laid) const;
-  void settle_links();
+  void split_where_rays_part(Strand strand, std::vector<Strand>& out) const;
   bool too_near(const PathFrame& at, const LaidCurves& laid) const;
+  std::vector<GeodesicState> extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
+                                       const LaidCurves& current, bool* stopped) const;
+  bool runs_ahead(const PathFrame& at, const LaidCurves& current) const;
 
   const GeodesicTracer* tracer_;
   int side_;

@@ -1,9 +1,11 @@
 #include "trajectory/parallels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "trajectory/level_curve.h"
+#include "trajectory/trim_front.h"
 
 namespace afptraj {
 namespace {
@@ -42,8 +44,7 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
                              const ParallelOptions& options, const std::function<bool(int level)>& progress) {
   const GeodesicTracer tracer(skin, options.geodesic);
   Front left(tracer, 1, options.front), right(tracer, -1, options.front);
-  const double cell = options.front.spacing_mm;
-  LaidCurves laid(skin, cell);
+  LaidCurves laid(skin, options.front.spacing_mm);
   int next_link = 0;
 
   // Level 0: the reference and its extensions, the same on both sides.
@@ -55,7 +56,7 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
   }
   left.add_strand(std::move(strand));
   left.refine_level_zero();
-  left.extend(0, laid, LaidCurves(skin, cell), next_link);
+  left.extend(0, laid, LaidCurves(skin, options.front.spacing_mm), next_link);
   right.mirror(left);
 
   std::vector<LevelCurve> left_levels, right_levels;
@@ -72,12 +73,15 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
       break;
     }
     if (progress && !progress(level)) break;
-    for (Front* front : {&left, &right}) front->advance(level, laid);
-    if (getenv("DBG")) for (Front* f : {&left, &right}) { std::size_t n=0; double y0=1e9; for (auto& s : f->strands()) { n+=s.rays.size(); for (auto& r : s.rays) y0=std::min(y0,r.state.y);} fprintf(stderr,"level %d side %d strands %zu rays %zu ymin %g\n", level, f->side(), f->strands().size(), n, y0);}
-    LaidCurves current(skin, cell);
-    for (Front* front : {&left, &right})
+    const std::array<Front*, 2> both = {&left, &right};
+    for (Front* front : both) front->advance(level);
+    trim_fronts(both, level, laid);
+    for (Front* front : both) {
+      LaidCurves current(skin, options.front.spacing_mm);
       for (ChainedCurve& chain : level_curves(tracer, *front, level)) current.add(std::move(chain.curve));
-    for (Front* front : {&left, &right}) front->extend(level, laid, current, next_link);
+      front->extend(level, laid, current, next_link);
+    }
+    trim_fronts(both, level, laid);
     // Both sides are laid only now: neither may find its own level among the lower ones.
     lay(tracer, left, level, laid, left_levels);
     lay(tracer, right, level, laid, right_levels);

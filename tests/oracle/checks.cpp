@@ -183,7 +183,9 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
   const double first = segment.samples.front().s, last = segment.samples.back().s;
   for (int iteration = 0; iteration < 25; ++iteration) {
     const Segment::Point c = segment.at(s);
+    if (!std::isfinite(s) || !std::isfinite(c.x.SquareModulus()) || segment.samples[c.i].at.face < 0) return result;
     const Foot start = skin.nearest(c.x, &segment.samples[c.i].at, 1e-3);
+    if (start.face < 0) return result;
     const Vec n = oriented(skin, start, segment.samples[c.i].n);
     const Vec t = (c.t - n * (n * c.t)).Normalized();
     const Vec left = n ^ t;

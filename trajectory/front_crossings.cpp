@@ -1,0 +1,217 @@
+#include "trajectory/front_crossings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+namespace afptraj {
+namespace {
+
+constexpr double solved_mm = 1e-9;    // along the skin
+constexpr double accepted_mm = 1e-4;  // off it: faces that join within the tolerance of the import
+
+struct Chord {
+  StrandPlace place;
+  std::size_t i = 0;  ///< from ray i to i + 1
+  Vec3 a, b, na, nb;
+};
+
+std::vector<Chord> chords_of(const std::array<const Front*, 2>& fronts) {
+  std::vector<Chord> out;
+  for (int f = 0; f < 2; ++f) {
+    if (!fronts[static_cast<std::size_t>(f)]) continue;
+    const Front& front = *fronts[static_cast<std::size_t>(f)];
+    for (std::size_t s = 0; s < front.strands().size(); ++s) {
+      const auto& rays = front.strands()[s].rays;
+      PathFrame last = frame_of(front.skin(), rays.front().state);
+      for (std::size_t i = 0; i + 1 < rays.size(); ++i) {
+        const PathFrame next = frame_of(front.skin(), rays[i + 1].state);
+        out.push_back({{f, s}, i, last.position, next.position, last.normal, next.normal});
+        last = next;
+      }
+    }
+  }
+  return out;
+}
+
+/// Where two chords pass over each other in the plane between their normals: x on a, y on b.
+bool pass_over(const Chord& A, const Chord& B, double& x, double& y) {
+  constexpr double slack = 0.05;  // chords beside the vertex that the curves cross at
+  const Vec3 da = A.b - A.a, db = B.b - B.a, r = B.a - A.a;
+  const Vec3 na = A.na + A.nb, nb = B.na + B.nb;
+  if (na.dot(nb) <= 0.5 * na.norm() * nb.norm()) return false;
+  const Vec3 n = (na.normalized() + nb.normalized()).normalized();
+  const double cross = n.dot(da.cross(db));
+  if (std::abs(cross) <= 1e-12 * da.norm() * db.norm()) return false;
+  x = n.dot(r.cross(db)) / cross;
+  y = n.dot(r.cross(da)) / cross;
+  if (x < -slack || x > 1 + slack || y < -slack || y > 1 + slack) return false;
+  const Vec3 gap = A.a + x * da - B.a - y * db;
+  return std::abs(gap.dot(n)) <= 0.5 * std::max(da.norm(), db.norm());
+}
+
+/// Indices of chords by the cells that their boxes touch.
+class ChordHash {
+ public:
+  ChordHash(const std::vector<Chord>& chords, double cell) : cell_(cell) {
+    for (std::size_t c = 0; c < chords.size(); ++c)
+      for_each_cell(chords[c], [&](std::int64_t key) { cells_[key].push_back(c); });
+  }
+  template <typename Visit>
+  void visit_pairs(const std::vector<Chord>& chords, Visit visit) const {
+    std::vector<std::size_t> near;
+    for (std::size_t c = 0; c < chords.size(); ++c) {
+      near.clear();
+      for_each_cell(chords[c], [&](std::int64_t key) {
+        for (std::size_t other : cells_.at(key))
+          if (other > c) near.push_back(other);
+      });
+      std::sort(near.begin(), near.end());
+      near.erase(std::unique(near.begin(), near.end()), near.end());
+      for (std::size_t other : near) visit(c, other);
+    }
+  }
+
+ private:
+  template <typename Body>
+  void for_each_cell(const Chord& chord, Body body) const {
+    const double pad = 0.5 * (chord.b - chord.a).norm();
+    const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
+    const Vec3 lo = chord.a.cwiseMin(chord.b).array() - pad, hi = chord.a.cwiseMax(chord.b).array() + pad;
+    for (auto i = cell(lo.x()); i <= cell(hi.x()); ++i)
+      for (auto j = cell(lo.y()); j <= cell(hi.y()); ++j)
+        for (auto k = cell(lo.z()); k <= cell(hi.z()); ++k)
+          body((i & 0x1fffff) | ((j & 0x1fffff) << 21) | ((k & 0x1fffff) << 42));
+  }
+  double cell_;
+  std::unordered_map<std::int64_t, std::vector<std::size_t>> cells_;
+};
+
+class CrossingSolver {
+ public:
+  CrossingSolver(const std::array<const Front*, 2>& fronts, int level) : fronts_(fronts), level_(level) {}
+
+  std::optional<FrontCrossing> solve(const StrandPlace& a, double ta, const StrandPlace& b, double tb) const {
+    const StrandPlace place[2] = {a, b};
+    double t[2] = {ta, tb};
+    const double longest = 4 * front(a).options().sample_mm;
+    FrontCrossing out;
+    for (int iteration = 0; iteration < 30; ++iteration) {
+      PathFrame frame[2];
+      Vec3 along[2];
+      for (int k = 0; k < 2; ++k) {
+        bool alive = false;
+        out.ray[k] = front(place[k]).shoot(strand(place[k]).source, t[k], level_, &alive);
+        if (!alive) return std::nullopt;
+        frame[k] = frame_of(front(place[k]).skin(), out.ray[k].state);
+        const double speed = front(place[k]).source(strand(place[k]).source).curve->at(t[k]).speed;
+        const double y = out.ray[k].state.y;
+        along[k] = front(place[k]).side() * std::copysign(std::max(std::abs(y), 1e-3), y) * speed *
+                   frame[k].tangent.cross(frame[k].normal);
+      }
+      if (frame[0].normal.dot(frame[1].normal) < 0.5) return std::nullopt;
+      const Vec3 miss = frame[1].position - frame[0].position;
+      const Vec3 e1 = frame[0].tangent, e2 = frame[0].left();
+      const Eigen::Vector2d r(miss.dot(e1), miss.dot(e2));
+      if (r.norm() < solved_mm) {
+        out.miss_mm = miss.norm();
+        if (out.miss_mm > accepted_mm) return std::nullopt;
+        out.place[0] = a;
+        out.place[1] = b;
+        return out;
+      }
+      Eigen::Matrix2d J;
+      J << along[0].dot(e1), -along[1].dot(e1), along[0].dot(e2), -along[1].dot(e2);
+      Eigen::Vector2d step = J.partialPivLu().solve(r);
+      if (!step.allFinite()) return std::nullopt;
+      const double biggest = step.cwiseAbs().maxCoeff();
+      if (biggest > longest) step *= longest / biggest;
+      for (int k = 0; k < 2; ++k) {
+        t[k] += step[k];
+        const auto& rays = strand(place[k]).rays;
+        if (t[k] < rays.front().t - longest || t[k] > rays.back().t + longest) return std::nullopt;
+        t[k] = std::clamp(t[k], rays.front().t, rays.back().t);
+      }
+      if (a == b && std::abs(t[0] - t[1]) < 1e-7) return std::nullopt;  // the curve with itself
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const Front& front(const StrandPlace& p) const { return *fronts_[static_cast<std::size_t>(p.front)]; }
+  const Strand& strand(const StrandPlace& p) const { return front(p).strands()[p.strand]; }
+  const std::array<const Front*, 2>& fronts_;
+  int level_;
+};
+
+/// Whether the crossing is the point at which two strands are joined.
+bool at_link(const std::array<const Front*, 2>& fronts, const FrontCrossing& x) {
+  if (x.place[0] == x.place[1] || x.place[0].front != x.place[1].front) {
+    if (!(x.place[0] == x.place[1])) return false;
+  }
+  const auto& strands = fronts[static_cast<std::size_t>(x.place[0].front)]->strands();
+  for (int e = 0; e < 2; ++e)
+    for (int f = 0; f < 2; ++f) {
+      const Strand& a = strands[x.place[0].strand];
+      const Strand& b = strands[x.place[1].strand];
+      if (a.end[e] != StrandEnd::linked || b.end[f] != StrandEnd::linked || a.link[e] != b.link[f]) continue;
+      const double ta = e == 0 ? a.rays.front().t : a.rays.back().t;
+      const double tb = f == 0 ? b.rays.front().t : b.rays.back().t;
+      if (std::abs(x.ray[0].t - ta) < 1e-6 && std::abs(x.ray[1].t - tb) < 1e-6) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+std::vector<FrontCrossing> front_crossings(const std::array<const Front*, 2>& fronts, int level) {
+  const std::vector<Chord> chords = chords_of(fronts);
+  if (chords.empty()) return {};
+  const CrossingSolver solver(fronts, level);
+  std::vector<FrontCrossing> out;
+  const auto take = [&](std::optional<FrontCrossing> found) {
+    if (!found || at_link(fronts, *found)) return;
+    if (found->place[0] == found->place[1] && found->ray[0].t > found->ray[1].t)
+      std::swap(found->ray[0], found->ray[1]);
+    for (const FrontCrossing& known : out)
+      if (known.place[0] == found->place[0] && known.place[1] == found->place[1] &&
+          std::abs(known.ray[0].t - found->ray[0].t) < 1e-6 && std::abs(known.ray[1].t - found->ray[1].t) < 1e-6)
+        return;
+    out.push_back(*found);
+  };
+  const auto ray = [&](const Chord& c, std::size_t i) -> const Ray& {
+    return fronts[static_cast<std::size_t>(c.place.front)]->strands()[c.place.strand].rays[i];
+  };
+  const auto t_at = [&](const Chord& c, double x) {
+    return ray(c, c.i).t + std::clamp(x, 0.0, 1.0) * (ray(c, c.i + 1).t - ray(c, c.i).t);
+  };
+  const double cell = 2 * (fronts[0] ? fronts[0] : fronts[1])->options().sample_mm;
+  ChordHash(chords, cell).visit_pairs(chords, [&](std::size_t i, std::size_t j) {
+    const Chord &A = chords[i], &B = chords[j];
+    if (A.place == B.place && B.i <= A.i + 1) return;
+    double x = 0, y = 0;
+    if (pass_over(A, B, x, y)) take(solver.solve(A.place, t_at(A, x), B.place, t_at(B, y)));
+  });
+  // A swallowtail narrower than the chords: x' = t^2 - c^2 crosses itself at t = +-sqrt(3) c.
+  for (int f = 0; f < 2; ++f) {
+    if (!fronts[static_cast<std::size_t>(f)]) continue;
+    const auto& strands = fronts[static_cast<std::size_t>(f)]->strands();
+    for (std::size_t s = 0; s < strands.size(); ++s) {
+      const auto& rays = strands[s].rays;
+      for (std::size_t i = 1; i < rays.size(); ++i) {
+        if (rays[i].state.y > 0 || rays[i - 1].state.y <= 0) continue;
+        std::size_t j = i;
+        while (j + 1 < rays.size() && rays[j].state.y <= 0) ++j;
+        if (rays[j].state.y <= 0) break;
+        const double mid = 0.5 * (rays[i].t + rays[j].t), half = 0.5 * (rays[j].t - rays[i - 1].t) * std::sqrt(3.0);
+        const StrandPlace place{f, s};
+        take(solver.solve(place, std::max(mid - half, rays.front().t), place, std::min(mid + half, rays.back().t)));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace afptraj
