@@ -76,8 +76,8 @@ class CoverageJudge {
       const Way way = way_from_line(tracer_, from, {t, arc, s}, p);
       if (way.end == Way::End::foot && way.distance_mm < half_mm_) return true;
       if (way.end == Way::End::beyond_end && s == side) {
-        const auto distance = way_from_point(tracer_, frame_at(tracer_.skin(), from.curve, way.t), p, arc);
-        if (distance && *distance < half_mm_) return true;
+        const auto direct = way_from_point(tracer_, frame_at(tracer_.skin(), from.curve, way.t), p, arc);
+        if (direct && direct->distance_mm < half_mm_) return true;
       }
       if (cosine > 0.3 && way.end != Way::End::failed) break;
     }

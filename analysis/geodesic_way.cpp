@@ -20,6 +20,14 @@ GeodesicState leave(const GeodesicTracer& tracer, const CourseLine& line, const 
 /// The Jacobi field as a divisor: kept away from its zeros.
 double divisor(double y, double least) { return std::copysign(std::max(std::abs(y), least), y); }
 
+/// Whether a walk is outside anywhere on its way; its ends may lie on the boundary.
+bool leaves(const GeodesicTracer& tracer, GeodesicState g, double length_mm) {
+  constexpr int parts = 16;
+  for (int i = 0; i < parts; ++i)
+    if (tracer.advance(g, length_mm / parts * (i + 1 < parts ? 1 : 0.99)) != TraceEnd::reached || g.outside) return true;
+  return false;
+}
+
 }  // namespace
 
 GeodesicOptions judge_geodesics(const Skin& skin, double band_width_mm, double tolerance_mm) {
@@ -65,8 +73,8 @@ Way way_from_line(const GeodesicTracer& tracer, const CourseLine& line, const Wa
   return {Way::End::failed, t, d, side};
 }
 
-std::optional<double> way_from_point(const GeodesicTracer& tracer, const CurveFrame& from, const Vec3& p,
-                                     double distance_mm) {
+std::optional<PointWay> way_from_point(const GeodesicTracer& tracer, const CurveFrame& from, const Vec3& p,
+                                       double distance_mm) {
   const double close_mm = close_enough(tracer);
   const Vec3 n = from.frame.normal;
   const Vec3 chord = p - from.frame.position;
@@ -80,8 +88,10 @@ std::optional<double> way_from_point(const GeodesicTracer& tracer, const CurveFr
     const PathFrame end = frame_of(tracer.skin(), g);
     const Vec3 miss = p - end.position;
     const double along = miss.dot(end.tangent), across = miss.dot(end.left());
-    if (std::abs(along) < close_mm && std::abs(across) < close_mm)
-      return std::abs(miss.dot(end.normal)) < 10 * close_mm ? std::optional(d + along) : std::nullopt;
+    if (std::abs(along) < close_mm && std::abs(across) < close_mm) {
+      if (std::abs(miss.dot(end.normal)) > 10 * close_mm) return std::nullopt;  // another sheet
+      return PointWay{d + along, leaves(tracer, tracer.start(from.at, direction, from.normal_sign), d)};
+    }
     const double turn = std::clamp(across / divisor(g.y, 0.1 * d), -0.5, 0.5);
     direction = (std::cos(turn) * direction + std::sin(turn) * n.cross(direction)).normalized();
     d += std::clamp(along, -0.5 * d, 0.5 * d);
@@ -92,14 +102,7 @@ std::optional<double> way_from_point(const GeodesicTracer& tracer, const CurveFr
 
 bool leaves_skin(const GeodesicTracer& tracer, const CourseLine& line, const Way& way) {
   if (line.off_skin) return true;
-  GeodesicState g = leave(tracer, line, frame_at(tracer.skin(), line.curve, way.t), way.side);
-  constexpr int parts = 16;
-  for (int i = 0; i < parts; ++i) {
-    // The last stretch may end on the boundary itself.
-    const double part = way.distance_mm / parts * (i + 1 < parts ? 1 : 0.99);
-    if (tracer.advance(g, part) != TraceEnd::reached || g.outside) return true;
-  }
-  return false;
+  return leaves(tracer, leave(tracer, line, frame_at(tracer.skin(), line.curve, way.t), way.side), way.distance_mm);
 }
 
 double arc_of(double chord_mm, double cosine_of_normals) {

@@ -32,10 +32,14 @@ struct WaySeed {
 /// that is small enough for its square not to count is corrected to first order.
 Way way_from_line(const GeodesicTracer& tracer, const CourseLine& line, const WaySeed& seed, const Vec3& p);
 
-/// The length of the geodesic from a point of a line to p, by Newton-Raphson on its direction. Nothing
-/// when it does not converge.
-std::optional<double> way_from_point(const GeodesicTracer& tracer, const CurveFrame& from, const Vec3& p,
-                                     double distance_mm);
+/// The geodesic from a point of a line to p, by Newton-Raphson on its direction and length. Nothing when
+/// it does not converge.
+struct PointWay {
+  double distance_mm = 0;
+  bool leaves_skin = false;  ///< it passes over places without material
+};
+std::optional<PointWay> way_from_point(const GeodesicTracer& tracer, const CurveFrame& from, const Vec3& p,
+                                       double distance_mm);
 
 /// Whether a way passes over places without material.
 bool leaves_skin(const GeodesicTracer& tracer, const CourseLine& line, const Way& way);

@@ -37,8 +37,9 @@ struct Measured {
 /// What has been found on the way to one probe.
 struct Nearest {
   double distance_mm = infinity;
-  int line = -1;  ///< -1: an end, by way_from_point
+  int line = -1;  ///< whose way it is; -1: that of an end
   Way way;
+  bool end_off_skin = false;      ///< the way from the end runs over places without material
   double free_end_mm = infinity;  ///< nearest end on the boundary past which a foot would lie
   bool unsolved = false;
 };
@@ -70,7 +71,8 @@ class SpacingJudge {
     }
     out.outcome = Outcome::measured;
     out.error_mm = std::abs(nearest.distance_mm - W_);
-    if (out.error_mm > noticed_mm && nearest.line >= 0 && leaves_skin(tracer_, line(nearest.line), nearest.way))
+    if (out.error_mm > noticed_mm &&
+        (nearest.line >= 0 ? leaves_skin(tracer_, line(nearest.line), nearest.way) : nearest.end_off_skin))
       out.outcome = Outcome::off_skin;
     return out;
   }
@@ -113,15 +115,18 @@ class SpacingJudge {
     const double t = from.t_at(hit.chord, hit.x);
     const double cosine = from.normals[hit.chord].dot(at.frame.normal);
     const bool facing = cosine > 0.3;
-    const bool at_first = !from.closed() && hit.chord == 0 && hit.x <= 0;
-    const bool at_last = !from.closed() && hit.chord + 1 == from.chord_count() && hit.x >= 1;
+    // An end is believed only from where the chords say so: from elsewhere the search was led astray.
+    const bool at_first = !from.closed() && (t <= from.t[1] || t - from.t.front() < 0.25 * W_);
+    const bool at_last = !from.closed() && (t >= from.t[from.t.size() - 2] || from.t.back() - t < 0.25 * W_);
+    const auto believed = [&](const Way& way) {
+      return way.end == Way::End::foot || (at_first && way.t <= from.t.front()) || (at_last && way.t >= from.t.back());
+    };
     Way best;
     const auto attempt = [&](const WaySeed& seed) {
       const Way way = way_from_line(tracer_, from, seed, p);
       const bool better = way.end == Way::End::foot ? best.end != Way::End::foot || way.distance_mm < best.distance_mm
                                                     : best.end == Way::End::failed;
-      // An end is believed only from where the chords say so: from elsewhere the search was led astray.
-      if (better && (way.end == Way::End::foot || at_first || at_last)) best = way;
+      if (better && believed(way)) best = way;
     };
     if (facing) {
       const CurveFrame foot = frame_at(tracer_.skin(), from.curve, t);
@@ -143,8 +148,10 @@ class SpacingJudge {
       }
       return true;
     }
-    if (at_first || at_last)
-      take_end(hit, at_last, at, facing, nearest);
+    if (best.end == Way::End::beyond_end)
+      take_end(hit, best.t >= from.t.back(), at, facing, nearest);
+    else if (at_first || at_last)
+      take_end(hit, !at_first, at, facing, nearest);  // no way from the end: as far as its chord
     else
       nearest.unsolved = nearest.unsolved || facing;
     return false;
@@ -159,10 +166,12 @@ class SpacingJudge {
     if (free) nearest.free_end_mm = std::min(nearest.free_end_mm, hit.distance_mm);
     if (!facing || (free && hit.distance_mm >= W_)) return;
     const CurveFrame corner = frame_at(tracer_.skin(), from.curve, last ? from.t.back() : from.t.front());
-    const auto distance = way_from_point(tracer_, corner, at.frame.position, std::max(hit.distance_mm, 1e-6));
-    if (!distance || *distance >= nearest.distance_mm || (free && *distance >= W_)) return;
-    nearest.distance_mm = *distance;
+    const auto way = way_from_point(tracer_, corner, at.frame.position, std::max(hit.distance_mm, 1e-6));
+    nearest.unsolved = nearest.unsolved || (!way && !free);
+    if (!way || way->distance_mm >= nearest.distance_mm || (free && way->distance_mm >= W_)) return;
+    nearest.distance_mm = way->distance_mm;
     nearest.line = -1;
+    nearest.end_off_skin = from.off_skin || way->leaves_skin;
   }
 
   const GeodesicTracer& tracer_;
