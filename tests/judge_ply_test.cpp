@@ -114,27 +114,39 @@ TEST(JudgePly, GreatErrorsAreErrors) {
   }
 }
 
-// Oblique courses: near a corner of the plate the foot on the neighbour lies past its end.
+/// A course over a plate of 600 x 600 along v = u + c.
+CourseSegment oblique(const Skin& skin, double c) {
+  const double lo = std::max(-300.0, -300 - c), hi = std::min(300.0, 300 - c);
+  return line(skin, Uv(lo, lo + c), Uv(hi, hi + c));
+}
+
+// Near a corner of the plate the neighbour is the shorter one: of the course beside it, a band's width at
+// both ends has its foot past the neighbour's ends, also where another segment is farther away.
 TEST(JudgePly, AFootPastAnEndOnTheBoundaryIsNoError) {
   const Skin skin = plate(600, 600);
+  const double step = W * std::sqrt(2.0), c = 450;
   Ply ply;
-  for (int k = -3; k <= 3; ++k) {
-    const double c = k * W * std::sqrt(2.0);  // v = u + c
-    const double lo = std::max(-300.0, -300 - c), hi = std::min(300.0, 300 - c);
-    ply.courses.push_back({k, {line(skin, Uv(lo, lo + c), Uv(hi, hi + c))}});
+  ply.courses.push_back({0, {oblique(skin, c)}});
+  ply.courses.push_back({1, {oblique(skin, c - step)}});
+  const double length = ply.courses[1].length_mm();
+  for (const bool another : {false, true}) {
+    if (another) ply.courses[0].segments.push_back(oblique(skin, c - 2.5 * step));
+    const SpacingError e = measure_spacing(skin, ply, options());
+    EXPECT_LT(e.worst_mm, 1e-8);
+    EXPECT_NEAR(static_cast<double>(e.beyond_end), 250 * 2 * W / length, 2);
+    EXPECT_EQ(e.beyond_end + e.measured, 250u + 80u);  // every chord, and four places on the worst twenty
   }
-  judge_ply(skin, options(), ply);
-  EXPECT_LT(ply.report.spacing_error_mm, 1e-8);
-  // All feet lie past ends only within W of the ends of the longer neighbour: here there are none.
-  EXPECT_EQ(ply.report.spacing.beyond_end, 0u);
-  // With the neighbours' ends cut away, some do; the cut ends are seen.
-  Ply cut = ply;
-  cut.report = {};
-  for (Course& course : cut.courses)
-    if (course.number == 0) course.segments = {line(skin, Uv(-200, -200), Uv(300, 300))};
-  judge_ply(skin, options(), cut);
-  EXPECT_GT(cut.report.spacing_error_mm, 1);
-  ASSERT_EQ(cut.report.loose_ends.size(), 1u);
+}
+
+// Where the neighbour ends inside instead, its end is its nearest point, and that is too far away.
+TEST(JudgePly, AFootPastAnEndInsideIsAnError) {
+  const Skin skin = plate(1000, 11 * W);
+  Ply ply = rows(skin, 1000, 1, [](int k) { return k * W; });
+  ply.courses[1].segments = {line(skin, Uv(-500, 0), Uv(480, 0))};
+  const SpacingError e = measure_spacing(skin, ply, options());
+  const double last = 500 - 0.1 * 4 - 480;  // along, to the outermost probe of the last chord
+  EXPECT_NEAR(e.worst_mm, std::sqrt(last * last + W * W) - W, 1e-6);
+  EXPECT_EQ(e.beyond_end, 0u);
 }
 
 // A reference with a corner (two segments that meet): on the concave side the next course has a corner
