@@ -17,6 +17,13 @@ GeodesicState leave(const GeodesicTracer& tracer, const CourseLine& line, const 
   return g;
 }
 
+/// At a pole a cubic in (u, v) may run away: a point off the loops' box by more than its size is none of the line.
+bool near_face(const Skin& skin, const SurfacePoint& at) {
+  const TrimRegion& trim = skin.trim(at.face);
+  const Uv lo = trim.box_min(), hi = trim.box_max(), size = hi - lo;
+  return (at.uv.array() >= (lo - size).array()).all() && (at.uv.array() <= (hi + size).array()).all();
+}
+
 /// The Jacobi field as a divisor: kept away from its zeros.
 double divisor(double y, double least) { return std::copysign(std::max(std::abs(y), least), y); }
 
@@ -47,6 +54,7 @@ Way way_from_line(const GeodesicTracer& tracer, const CourseLine& line, const Wa
   int pinned = 0;  // iterations in a row that wanted to go past an end
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     const CurveFrame foot = frame_at(tracer.skin(), line.curve, t);
+    if (!near_face(tracer.skin(), foot.at)) return {Way::End::failed, t, d, side};
     GeodesicState g = leave(tracer, line, foot, side);
     if (d > 0 && tracer.advance(g, d) != TraceEnd::reached) return {Way::End::failed, t, d, side};
     const PathFrame end = frame_of(tracer.skin(), g);

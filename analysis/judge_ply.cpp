@@ -9,6 +9,8 @@
 namespace afptraj {
 namespace {
 
+constexpr double reported_off_skin_mm = 1e-3;  // a smaller error there is not worth a warning
+
 /// What every judgement needs of a ply.
 struct Judged {
   Judged(const Skin& skin, const Ply& ply, const JudgeOptions& options)
@@ -37,6 +39,12 @@ std::string at(const Vec3& p) {
   return out;
 }
 
+std::string number(double x) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%.3g", x);
+  return out;
+}
+
 std::string times(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
@@ -56,6 +64,10 @@ void tell(PlyReport& report) {
                                 " inside the skin and meets no other, first of course " + std::to_string(first.course) +
                                 " at " + at(first.where));
   }
+  if (report.spacing.off_skin_worst_mm > reported_off_skin_mm)
+    report.warnings.push_back("the spacing is off by up to " + number(report.spacing.off_skin_worst_mm) + " mm at " +
+                              times(report.spacing.off_skin, "place", "places") +
+                              " where the way to the neighbour runs over missing material");
   if (report.spacing.unresolved > 0)
     report.warnings.push_back("the spacing could not be measured at " +
                               times(report.spacing.unresolved, "place", "places") + ", first at " +
