@@ -1,21 +1,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <memory>
 
 #include <tbb/parallel_for.h>
 
-#include "analysis/course_index.h"
-#include "analysis/judge_ply.h"
+#include "analysis/geodesic_way.h"
+#include "analysis/judge_lines.h"
 #include "geometry/curvature.h"
 
 namespace afptraj {
 namespace {
 
+constexpr double slack_mm = 1e-3;  // bands that lie edge to edge, to the accuracy of their courses, leave no gap
 constexpr int no_course = std::numeric_limits<int>::min();
 
-struct Judged {
+struct Sample {
   AreaSample sample;
   Vec3 position = Vec3::Zero();
   bool covered = true;
@@ -29,20 +28,67 @@ double greatest_curvature(const SurfaceDerivatives& d, const Vec3& n) {
   return std::max(std::abs(c.k1), std::abs(c.k2));
 }
 
-/// Whether a curve passes within `half_width` of the sample, along the skin.
-bool is_covered(const Skin& skin, const GeodesicTracer& tracer, const LaidCurves& laid, const SurfacePoint& at,
-                double half_width, double* distance_mm) {
-  const SurfaceDerivatives d = skin.derivatives(at);
-  const Vec3 n = skin.normal(at);
-  const double chord = laid.distance(d.S, n, 2.5 * half_width);
-  if (distance_mm) *distance_mm = chord;
-  if (chord >= half_width) return false;
-  // An arc of curvature k over a chord c is longer by at most k^2 c^3 / 24 (k c < 1), doubled for a
-  // curvature that grows along the way.
-  const double k = greatest_curvature(d, n);
-  if (k * chord < 1 && chord + k * k * chord * chord * chord / 12 < half_width) return true;
-  return laid.rival(tracer, d.S, n, half_width, -1, 0, 0).has_value();
-}
+/// Finds the lines whose centre passes within W/2 of a place, along the skin.
+class CoverageJudge {
+ public:
+  CoverageJudge(const GeodesicTracer& tracer, const std::vector<CourseLine>& lines, const ChordIndex& index,
+                double half_width_mm)
+      : tracer_(tracer), lines_(lines), index_(index), half_mm_(half_width_mm) {}
+
+  /// A line on the skin, or off it, that reaches `at`; -1 where there is none.
+  int reaching(const SurfacePoint& at, bool off_skin) const {
+    const SurfaceDerivatives d = tracer_.skin().derivatives(at);
+    const Vec3 n = tracer_.skin().normal(at);
+    thread_local std::vector<ChordIndex::Hit> hits;
+    index_.minima(d.S, half_mm_, [&](const CourseLine& line) { return line.off_skin == off_skin; }, hits);
+    if (hits.empty()) return -1;
+    // An arc of curvature k over a chord c is longer by at most k^2 c^3 / 24 (k c < 1), doubled for a
+    // curvature that grows along the way.
+    const double k = greatest_curvature(d, n);
+    for (const ChordIndex::Hit& hit : hits) {
+      const double c = hit.distance_mm;
+      const bool same_side = line(hit).normals[hit.chord].dot(n) > 0.5;
+      if (same_side && k * c < 1 && c + k * k * c * c * c / 12 < half_mm_) return hit.line;
+    }
+    for (const ChordIndex::Hit& hit : hits)
+      if (reaches(hit, d.S, n)) return hit.line;
+    return -1;
+  }
+
+  /// The nearest chord on the skin, or `limit_mm`.
+  double chord_distance(const Vec3& p, double limit_mm) const {
+    double least = limit_mm;
+    index_.visit_near(p, limit_mm, [](const CourseLine& line) { return !line.off_skin; },
+                      [&](const ChordIndex::Hit& hit) { least = std::min(least, hit.distance_mm); });
+    return least;
+  }
+
+ private:
+  const CourseLine& line(const ChordIndex::Hit& hit) const { return lines_[static_cast<std::size_t>(hit.line)]; }
+
+  bool reaches(const ChordIndex::Hit& hit, const Vec3& p, const Vec3& n) const {
+    const CourseLine& from = line(hit);
+    const double t = from.t_at(hit.chord, hit.x), cosine = from.normals[hit.chord].dot(n);
+    const CurveFrame foot = frame_at(tracer_.skin(), from.curve, t);
+    const double side = (p - foot.frame.position).dot(foot.frame.left()) >= 0 ? 1 : -1;
+    const double arc = std::max(cosine > 0.3 ? arc_of(hit.distance_mm, cosine) : half_mm_, 1e-6);
+    for (const double s : {side, -side}) {
+      const Way way = way_from_line(tracer_, from, {t, arc, s}, p);
+      if (way.end == Way::End::foot && way.distance_mm < half_mm_) return true;
+      if (way.end == Way::End::beyond_end && s == side) {
+        const auto direct = way_from_point(tracer_, frame_at(tracer_.skin(), from.curve, way.t), p, arc);
+        if (direct && direct->distance_mm < half_mm_) return true;
+      }
+      if (cosine > 0.3 && way.end != Way::End::failed) break;
+    }
+    return false;
+  }
+
+  const GeodesicTracer& tracer_;
+  const std::vector<CourseLine>& lines_;
+  const ChordIndex& index_;
+  double half_mm_;
+};
 
 std::vector<AreaSample> spread_samples(const Skin& skin, int count) {
   std::vector<AreaSample> out;
@@ -57,9 +103,9 @@ std::vector<AreaSample> spread_samples(const Skin& skin, int count) {
 }
 
 /// Gathers uncovered samples that lie within a band of each other and have the same cause.
-std::vector<UncoveredSpot> gather(const std::vector<Judged>& judged, double band_width) {
-  std::vector<const Judged*> open;
-  for (const Judged& j : judged)
+std::vector<UncoveredSpot> gather(const std::vector<Sample>& judged, double band_width) {
+  std::vector<const Sample*> open;
+  for (const Sample& j : judged)
     if (!j.covered) open.push_back(&j);
   std::vector<int> group(open.size(), -1);
   int groups = 0;
@@ -101,36 +147,26 @@ std::vector<UncoveredSpot> gather(const std::vector<Judged>& judged, double band
 
 }  // namespace
 
-Coverage measure_coverage(const Skin& skin, const Ply& ply, const JudgeOptions& options) {
-  GeodesicOptions geodesic;
-  geodesic.tolerance_mm = options.tolerance_mm;
-  geodesic.outside_limit_mm = skin.diagonal();
-  geodesic.margin_mm = options.band_width_mm;
-  const GeodesicTracer tracer(skin, geodesic);
+Coverage measure_coverage(const GeodesicTracer& tracer, const std::vector<CourseLine>& lines, const ChordIndex& index,
+                          const JudgeOptions& options) {
+  const Skin& skin = tracer.skin();
   const double W = options.band_width_mm;
-  const CourseIndex index(skin, ply.courses, W, [](const Course&) { return true; });
-  std::map<int, std::unique_ptr<CourseIndex>> strips;
-  for (const Course& course : ply.off_skin) {
-    auto& strip = strips[course.number];
-    strip = std::make_unique<CourseIndex>(skin, ply.off_skin, W, [&](const Course& c) { return c.number == course.number; });
-  }
+  const CoverageJudge judge(tracer, lines, index, W / 2 + slack_mm);
   const std::vector<AreaSample> samples = spread_samples(skin, options.area_samples);
-  std::vector<Judged> judged(samples.size());
+  std::vector<Sample> judged(samples.size());
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-    Judged& out = judged[i];
+    Sample& out = judged[i];
     out.sample = samples[i];
     out.position = skin.point(samples[i].at);
-    out.covered = is_covered(skin, tracer, index.laid(), samples[i].at, W / 2, &out.distance_mm);
+    out.covered = judge.reaching(samples[i].at, false) >= 0;
     if (out.covered) return;
-    for (const auto& [number, strip] : strips)
-      if (is_covered(skin, tracer, strip->laid(), samples[i].at, W / 2, nullptr)) {
-        out.strip_of = number;
-        break;
-      }
+    out.distance_mm = judge.chord_distance(out.position, 1.25 * W);
+    const int strip = judge.reaching(samples[i].at, true);
+    if (strip >= 0) out.strip_of = lines[static_cast<std::size_t>(strip)].course;
   });
   Coverage out;
   double all = 0, covered = 0, reached = 0;
-  for (const Judged& j : judged) {
+  for (const Sample& j : judged) {
     all += j.sample.area_mm2;
     if (j.covered) covered += j.sample.area_mm2;
     if (j.covered || j.strip_of != no_course) reached += j.sample.area_mm2;

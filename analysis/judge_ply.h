@@ -7,8 +7,8 @@ namespace afptraj {
 struct JudgeOptions {
   double band_width_mm = 50.8;
   int area_samples = 8000;      ///< over the whole skin
-  int spacing_samples = 1500;   ///< points between samples at which E_k is measured, spread over all courses
-  double tolerance_mm = 1e-9;   ///< of the geodesics
+  int spacing_samples = 4000;   ///< points between samples at which E_k is measured first, spread over all courses
+  double tolerance_mm = 1e-7;   ///< of the geodesics; the worst are measured again a thousand times finer
 };
 
 /// How much of the skin lies within W/2 of a centre line, and where the rest is.
@@ -24,15 +24,23 @@ struct Coverage {
 /// does. Standard error of the share: about sqrt(p (1 - p) / samples).
 Coverage measure_coverage(const Skin& skin, const Ply& ply, const JudgeOptions& options);
 
-/// E_k: the greatest | distance to the neighbour toward course 0 - W | over points between samples
-/// whose foot on that neighbour (its off-skin stretches included) is interior. `checked` counts them.
-struct SpacingError {
-  double worst_mm = 0;
-  int worst_course = 0;
-  Vec3 where = Vec3::Zero();
-  int checked = 0;
-};
+/// E_k: the greatest | distance to the level before - W | over points of level k + 1 between samples.
+///
+/// Law (S1): every point of course +-(k + 1) has geodesic distance exactly W to courses +-k together,
+/// the stretches off the skin and the ends where fronts met included. Any other distance, however
+/// far from W, is an error. There is nothing to measure only where the foot lies past an end on the
+/// boundary (`beyond_end`).
+///
+/// Measured are the first and last chord of every segment and others evenly spread, then those that
+/// look worst by chords alone, then all chords around the worst found. The feet are found by the
+/// judge's own index and solver, none of the planner's.
 SpacingError measure_spacing(const Skin& skin, const Ply& ply, const JudgeOptions& options);
+
+/// Where centre lines cross themselves or each other: chords, seen along the skin's normal.
+std::vector<CourseCrossing> find_crossings(const Skin& skin, const Ply& ply, const JudgeOptions& options);
+
+/// Ends that are neither on the boundary nor meet another end of their level, within 1e-3 mm.
+std::vector<LooseEnd> find_loose_ends(const Skin& skin, const Ply& ply, const JudgeOptions& options);
 
 /// Fills the judged part of the report.
 void judge_ply(const Skin& skin, const JudgeOptions& options, Ply& ply);

@@ -41,6 +41,31 @@ struct UncoveredSpot {
   std::string reason;
 };
 
+/// E_k, the greatest |distance to the neighbouring course - W| over points between samples.
+struct SpacingError {
+  double worst_mm = 0;
+  int worst_course = 0;
+  Vec3 where = Vec3::Zero();
+  std::size_t measured = 0;
+  std::size_t beyond_end = 0;  ///< the neighbour's foot lies past its end on the boundary: nothing to measure
+  std::size_t unresolved = 0;  ///< no way to the neighbour was found
+  Vec3 first_unresolved = Vec3::Zero();
+  std::size_t off_skin = 0;  ///< in error, but the way to the neighbour runs over places without material
+  double off_skin_worst_mm = 0;
+};
+
+/// A place where the centre lines of two courses, or of one, cross.
+struct CourseCrossing {
+  int course = 0, other = 0;
+  Vec3 where = Vec3::Zero();
+};
+
+/// An end of a centre line inside the skin that meets no other.
+struct LooseEnd {
+  int course = 0;
+  Vec3 where = Vec3::Zero();
+};
+
 /// Wall time of one stage of planning.
 struct StageTime {
   std::string stage;
@@ -68,6 +93,9 @@ struct PlyReport {
   double reached_share = 0;        ///< with the bands whose centre line runs off the skin
   std::vector<UncoveredSpot> uncovered;
   double spacing_error_mm = 0;     ///< E_k, greatest over the courses, between output samples
+  SpacingError spacing;            ///< ... in full
+  std::vector<CourseCrossing> crossings;
+  std::vector<LooseEnd> loose_ends;
   double min_steering_radius_mm = 0;
   double max_deviation_rad = 0;
   std::vector<std::string> warnings;

@@ -118,6 +118,36 @@ Json uncovered(const PlyReport& report) {
   return out;
 }
 
+Json spacing(const SpacingError& e) {
+  return {{"worst_mm", small_number(e.worst_mm)},
+          {"course", e.worst_course},
+          {"where", e.worst_mm > 0 ? vector(e.where) : Json()},
+          {"measured", e.measured},
+          {"beyond_end", e.beyond_end},
+          {"unresolved", e.unresolved},
+          {"first_unresolved", e.unresolved > 0 ? vector(e.first_unresolved) : Json()},
+          {"off_skin", e.off_skin},
+          {"off_skin_worst_mm", small_number(e.off_skin_worst_mm)}};
+}
+
+Json crossings(const PlyReport& report) {
+  const auto self = std::count_if(report.crossings.begin(), report.crossings.end(),
+                                  [](const CourseCrossing& c) { return c.course == c.other; });
+  Json first;
+  if (!report.crossings.empty()) {
+    const CourseCrossing& c = report.crossings.front();
+    first = {{"course", c.course}, {"other", c.other}, {"where", vector(c.where)}};
+  }
+  return {{"self", self}, {"mutual", static_cast<std::ptrdiff_t>(report.crossings.size()) - self}, {"first", first}};
+}
+
+Json loose_ends(const PlyReport& report) {
+  Json first;
+  if (!report.loose_ends.empty())
+    first = {{"course", report.loose_ends.front().course}, {"where", vector(report.loose_ends.front().where)}};
+  return {{"count", report.loose_ends.size()}, {"first", first}};
+}
+
 Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
   const PlyReport& r = ply.report;
   return {
@@ -137,6 +167,9 @@ Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
       {"reached_share", number(r.reached_share)},
       {"uncovered", uncovered(r)},
       {"spacing_error_mm", small_number(r.spacing_error_mm)},
+      {"spacing", spacing(r.spacing)},
+      {"crossings", crossings(r)},
+      {"loose_ends", loose_ends(r)},
       // nothing turns on the surface: the radius is not a number, JSON has null for it
       {"min_steering_radius_mm", r.min_steering_radius_mm < 1e9 ? number(r.min_steering_radius_mm) : Json()},
       {"max_deviation_deg", degrees(r.max_deviation_rad)},
