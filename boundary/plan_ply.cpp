@@ -64,7 +64,7 @@ void report_reference(PlyReport& report, const SteppedPath& stepped, const PathF
     report.reference_end[i] = to_string(stepped.end[i]);
     if (stepped.end[i] == WalkEnd::singular_field) {
       const Vec3& p = (i == 0 ? stepped.points.front() : stepped.points.back()).position;
-      report.warnings.push_back(text("the asked directions cancel at (%.6g, %.6g, %.6g); the reference path ends there "
+      report.warnings.push_back(text("the asked directions cancel or stand on the skin at (%.6g, %.6g, %.6g); the reference path ends there "
                                      "and goes on as a geodesic",
                                      p.x(), p.y(), p.z()));
     }

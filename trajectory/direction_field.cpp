@@ -51,6 +51,7 @@ AskedDirection DirectionField::at(const Vec3& p, const Vec3& normal, const Vec3&
   }
   Vec3 V = sum / weights;
   V -= V.dot(normal) * normal;
+  out.strength = V.norm();
   if (V.norm() < 1e-6) {
     out.singular = true;
     return out;

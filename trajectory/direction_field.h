@@ -20,6 +20,7 @@ struct AskedDirection {
   Vec3 direction = Vec3::Zero();  ///< unit, in the tangent plane, in the sense of the walk
   double range_mm = 0;            ///< range that was used
   bool range_doubled = false;     ///< no point lay within the asked range
+  double strength = 0;            ///< length of the average in the tangent plane: 1 where all ask for the same
   bool singular = false;          ///< the sum cancels (|V| < 1e-6), or points along the normal
 };
 

@@ -116,7 +116,8 @@ class Walker {
       const Vec3 n = at.normal_sign * skin_.normal(at.at);
       if (n.isZero()) return ended(out, WalkEnd::pole);
       AskedDirection asked = field_.at(d.S, n, direction);
-      if (asked.singular) return ended(out, WalkEnd::singular_field);
+      if (asked.singular || (asked.strength < options_.least_strength && s > 0))
+        return ended(out, WalkEnd::singular_field);
       const double length = step_length(d, n, asked.direction);
       // Midpoint rule: the direction half a step ahead makes the step second order.
       bool doubled = asked.range_doubled;
@@ -224,7 +225,7 @@ const char* to_string(WalkEnd end) {
     case WalkEnd::pole: return "pole";
     case WalkEnd::closed: return "closed on itself";
     case WalkEnd::alongside: return "came alongside itself";
-    case WalkEnd::singular_field: return "directions cancel";
+    case WalkEnd::singular_field: return "directions cancel or stand on the skin";
     case WalkEnd::length: return "length limit";
     case WalkEnd::stuck: return "no foot on the skin";
   }

@@ -13,6 +13,9 @@ struct StepOptions {
   double chord_error_mm = 0.01; ///< greatest distance of a step's chord from its arc
   double band_width_mm = 50.8;  ///< W: the path ends where it comes alongside itself within W
   double max_length_mm = 1e7;
+  /// Below this strength the field asks for nothing: the directions cancel, or stand on the skin (within
+  /// 15 degrees of its normal), as at the nose of a body laid along its axis. The path ends there.
+  double least_strength = 0.26;
 };
 
 /// A point of the stepped path with the walk's direction and the carried normal's sign.

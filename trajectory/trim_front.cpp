@@ -186,11 +186,27 @@ class Trimmer {
     return ray.state.y > 0 && !swept(front, ray, &strand);
   }
 
+  static bool is_beyond_cusp(const Stretch& stretch) {
+    return stretch.rays[stretch.rays.size() / 2].state.y <= least_y;
+  }
+
+  /// Whether a stretch longer than what the rule of branches is needed for has not been swept anywhere.
+  bool is_clear(const Front& front, const Strand& strand, const Stretch& stretch) const {
+    constexpr std::size_t probes = 7;
+    if (stretch.rays.size() < probes + 2) return false;
+    for (std::size_t k = 0; k < probes; ++k) {
+      const Ray& ray = stretch.rays[1 + k * (stretch.rays.size() - 3) / (probes - 1)];
+      if (!good(front, ray, strand)) return false;
+    }
+    return true;
+  }
+
   void keep_stretches(const Front& front, const Strand& strand, const std::vector<Cut>& cuts,
                       std::vector<Strand>& kept) const {
     for (Stretch& stretch : stretches_of(strand, cuts)) {
       if (stretch.rays.size() < 2) continue;
-      if ((stretch.cut[0] && !stretch.cut[0]->after) || (stretch.cut[1] && !stretch.cut[1]->before)) continue;
+      const bool dropped = (stretch.cut[0] && !stretch.cut[0]->after) || (stretch.cut[1] && !stretch.cut[1]->before);
+      if (dropped && (is_beyond_cusp(stretch) || !is_clear(front, strand, stretch))) continue;
       const auto length = static_cast<std::ptrdiff_t>(stretch.rays.size());
       std::vector<char> valid(stretch.rays.size(), 1);
       tbb::parallel_for(std::ptrdiff_t{0}, length, [&](std::ptrdiff_t i) {
