@@ -1,8 +1,8 @@
 #include "boundary/clip.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "tests/specimens.h"
 
@@ -29,7 +29,8 @@ const Uv hole_centre(420, 330);
 /// A rectangle with a circular hole, in the plane z = 0.
 Skin plate_with_hole() {
   Part part = make_rectangular_part(Surface::plane({}), {0, width}, {0, height});
-  part.faces[0].loops.push_back(circle_loop(hole_centre, hole_radius, true, static_cast<int>(part.edges.size())));
+  part.faces[0].loops.push_back(
+      circle_loop(hole_centre, hole_radius, true, static_cast<int>(part.edges.size())));
   part.edges.push_back({});
   return Skin(std::make_shared<const Part>(part), {0});
 }
@@ -172,7 +173,8 @@ TEST(Clip, CutsAClosedCurveWhereverItBegins) {
   const Skin skin = plate_with_hole();
   const double r = 150;
   const Uv centre(hole_centre.x() + 200, hole_centre.y());  // its left side passes through the hole
-  const double x = (200.0 * 200 + hole_radius * hole_radius - r * r) / 400, y = std::sqrt(hole_radius * hole_radius - x * x);
+  const double x = (200.0 * 200 + hole_radius * hole_radius - r * r) / 400,
+               y = std::sqrt(hole_radius * hole_radius - x * x);
   for (const double a0 : {0.0, 1.0, 2.2, 3.1, 4.0, 5.5}) {
     const SurfaceCurve curve = circle(centre, r, a0);
     const auto clipped = clip_to_skin(skin, curve);

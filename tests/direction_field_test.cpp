@@ -1,9 +1,9 @@
 #include "trajectory/direction_field.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <string>
-
-#include <gtest/gtest.h>
 
 #include "geometry/error.h"
 #include "tests/specimens.h"
@@ -15,7 +15,9 @@ namespace {
 const Vec3 P(7, -3, 11);
 const Vec3 n = Vec3(1, 2, 2) / 3, a = Vec3(2, 1, -2) / 3, b = Vec3(2, -2, 1) / 3;
 
-OrientationPoint point(const Vec3& position, const Vec3& direction) { return {position, direction, Vec3::Zero()}; }
+OrientationPoint point(const Vec3& position, const Vec3& direction) {
+  return {position, direction, Vec3::Zero()};
+}
 
 constexpr double rounding = 1e-14;
 
@@ -35,7 +37,8 @@ TEST(DirectionField, WeighsByTheDistanceFromTheNormalLine) {
 }
 
 TEST(DirectionField, LeavesOutPointsBeyondTheRange) {
-  const std::vector<OrientationPoint> points{point(P + 3 * a + 4 * b + 90 * n, a), point(P - 10 * b - 20 * n, b)};
+  const std::vector<OrientationPoint> points{point(P + 3 * a + 4 * b + 90 * n, a),
+                                             point(P - 10 * b - 20 * n, b)};
   expect_direction(DirectionField(points, 9.999).at(P, n, a + b), a);
   // R_k = range counts; 10 is not exact here, hence the hair.
   expect_direction(DirectionField(points, 10 + 1e-12).at(P, n, a + b), 2 * a + b);
@@ -51,7 +54,8 @@ TEST(DirectionField, TakesDirectionsOfAnyLength) {
 TEST(DirectionField, TakesDirectionsAsAxes) {
   for (const double sense1 : {1.0, -1.0})
     for (const double sense2 : {1.0, -1.0}) {
-      const DirectionField field({point(P + 5 * a, sense1 * (a + 0.1 * b)), point(P + 10 * b, sense2 * (a - 0.1 * b))}, 20);
+      const DirectionField field(
+          {point(P + 5 * a, sense1 * (a + 0.1 * b)), point(P + 10 * b, sense2 * (a - 0.1 * b))}, 20);
       // Equal lengths, so the weights 2 : 1 act on the unit directions.
       const Vec3 expected = 3 * a + 0.1 * b;
       expect_direction(field.at(P, n, a), expected);

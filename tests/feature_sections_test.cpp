@@ -1,8 +1,8 @@
 #include "trajectory/feature_sections.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "tests/specimens.h"
 
@@ -93,7 +93,8 @@ TEST(FeatureSections, MeasureGeneratorsOfACylinder) {
 TEST(FeatureSections, MeasureEllipsesOfACylinder) {
   const double R = 100, phi = 1.0;
   const Skin skin = make_skin(Surface::cylinder({}, R), {-phi, phi}, {-1000, 1000});
-  // One point of a helix at 45 degrees, on the middle generator; to both sides the plane z = -y meets u = +-phi.
+  // One point of a helix at 45 degrees, on the middle generator; to both sides the plane z = -y meets u =
+  // +-phi.
   const SplinePath helix = uv_line(skin, Uv(-1e-6 / R, -1e-6), Uv(1e-6 / R, 1e-6));
   const FeatureSections sections = feature_sections(skin, helix, W, W);
   double length = 0;  // of sqrt(R^2 + (R cos phi)^2) by Simpson's rule; its error is 1e-12
@@ -112,7 +113,8 @@ TEST(FeatureSections, CountTheBands) {
   const double high = 20000;
   const Skin skin = make_skin(Surface::plane({}), {0, 100}, {0, high});
   const auto bands = [&](double right) {
-    const FeatureSections sections = feature_sections(skin, uv_line(skin, Uv(0, right), Uv(100, right)), W, W);
+    const FeatureSections sections =
+        feature_sections(skin, uv_line(skin, Uv(0, right), Uv(100, right)), W, W);
     EXPECT_NEAR(sections.L2_mm, right, 1e-9 * high + length_tolerance);
     return sections.N2;
   };

@@ -16,7 +16,8 @@ namespace afptraj::test {
 constexpr double W = 50.8;
 
 /// A straight (u, v) segment as the reference.
-inline std::shared_ptr<const SplinePath> uv_line(const Skin& skin, const Uv& a, const Uv& b, bool closed = false) {
+inline std::shared_ptr<const SplinePath> uv_line(const Skin& skin, const Uv& a, const Uv& b,
+                                                 bool closed = false) {
   const SurfaceDerivatives d = skin.derivatives({0, 0.5 * (a + b)});
   const double length = uv_to_tangent(d, b - a).norm();
   return std::make_shared<const SplinePath>(

@@ -1,9 +1,8 @@
 // Parallels where the answer is known, or where a symmetry or an isometry maps it onto another one.
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "tests/parallel_curves.h"
 #include "tests/specimens.h"
@@ -86,7 +85,8 @@ TEST(ParallelsClosedForms, AreOffsetsInTheUnrolledPlaneOfACone) {
   EXPECT_TRUE(reached);
 }
 
-// Of the outer equator of a torus: circles of latitude at v = k W / r, until both sides meet on the inner equator.
+// Of the outer equator of a torus: circles of latitude at v = k W / r, until both sides meet on the inner
+// equator.
 TEST(ParallelsClosedForms, OfATorusEquatorAreCircles) {
   const double R = 1000, r = 200;
   const Skin skin = make_skin(Surface::torus({}, R, r), {0, 2 * pi}, {0, 2 * pi});
@@ -136,7 +136,8 @@ TEST(ParallelsClosedForms, OfATorusMeridianAreMirrorImages) {
   ParallelOptions options = exact_options(skin);
   options.geodesic.outside_limit_mm = 200;  // the tube goes on round; its other side is none of this
   const Parallels parallels = geodesic_parallels(skin, uv_line(skin, Uv(0, -1.2), Uv(0, 1.2)), options);
-  expect_symmetry(skin, parallels, [](const Vec3& p) { return Vec3(p.x(), -p.y(), p.z()); }, 600);
+  expect_symmetry(
+      skin, parallels, [](const Vec3& p) { return Vec3(p.x(), -p.y(), p.z()); }, 600);
 }
 
 /// The greatest |distance to the level before - W| between samples, by an independent tolerance.
@@ -150,7 +151,8 @@ double spacing_error(const Skin& skin, const Parallels& parallels, double spacin
   for (const LevelCurve& level : parallels.levels) {
     if (level.number == 0) continue;
     LaidCurves laid(skin, spacing);
-    for (SurfaceCurve& s : on_skin(skin, *test::level(parallels, level.number > 0 ? level.number - 1 : level.number + 1)))
+    for (SurfaceCurve& s :
+         on_skin(skin, *test::level(parallels, level.number > 0 ? level.number - 1 : level.number + 1)))
       laid.add(std::move(s));
     for (const SurfaceCurve& stretch : on_skin(skin, level))
       for_each_midpoint(skin, stretch, [&](const CurveFrame& f) {
@@ -163,8 +165,8 @@ double spacing_error(const Skin& skin, const Parallels& parallels, double spacin
   return worst;
 }
 
-// The saddle z = x y / c, an exact bilinear patch. Its rulings are geodesics; about the ruling y = 0 a half turn
-// maps it onto itself, and so the parallels of that ruling: left onto right. Rays part (K < 0): no fold.
+// The saddle z = x y / c, an exact bilinear patch. Its rulings are geodesics; about the ruling y = 0 a half
+// turn maps it onto itself, and so the parallels of that ruling: left onto right. Rays part (K < 0): no fold.
 TEST(ParallelsClosedForms, OfARulingOfASaddleTurnIntoEachOther) {
   const double side = 350, c = 600;
   BSplineSurface s;
@@ -174,7 +176,8 @@ TEST(ParallelsClosedForms, OfARulingOfASaddleTurnIntoEachOther) {
   const Skin skin = make_skin(Surface::bspline(s), {-side, side}, {-side, side});
   const ParallelOptions options = exact_options(skin);
   const Parallels parallels = geodesic_parallels(skin, uv_line(skin, Uv(-side, 0), Uv(side, 0)), options);
-  expect_symmetry(skin, parallels, [](const Vec3& p) { return Vec3(p.x(), -p.y(), -p.z()); }, 1000);
+  expect_symmetry(
+      skin, parallels, [](const Vec3& p) { return Vec3(p.x(), -p.y(), -p.z()); }, 1000);
   int checked = 0;
   // Cubics and rays as asked for (exact_options), both on the level and on the one before.
   EXPECT_LT(spacing_error(skin, parallels, W, &checked), 1e-6);
@@ -214,7 +217,8 @@ Surface interpolated(const Interval& u, const Interval& v, int n, Point point) {
                              v.lo + v.length() * x[static_cast<std::size_t>(j)])[axis];
     const Matrix poles = inverse * values * inverse.transpose();
     for (int i = 0; i <= n; ++i)
-      for (int j = 0; j <= n; ++j) s.poles[static_cast<std::size_t>(i * (n + 1) + j)][axis] = static_cast<double>(poles(i, j));
+      for (int j = 0; j <= n; ++j)
+        s.poles[static_cast<std::size_t>(i * (n + 1) + j)][axis] = static_cast<double>(poles(i, j));
   }
   return Surface::bspline(s);
 }
@@ -227,7 +231,8 @@ Vec3 on_helicoid(double u, double v) {
   return {waist * std::sinh(v) * std::cos(u), waist * std::sinh(v) * std::sin(u), waist * u};
 }
 
-/// Greatest distance of a patch from what it stands for, and of its first form from waist^2 cosh^2 v (E = G, F = 0).
+/// Greatest distance of a patch from what it stands for, and of its first form from waist^2 cosh^2 v (E = G,
+/// F = 0).
 template <typename Point>
 double patch_error(const Surface& surface, const Interval& u, const Interval& v, Point point, double* form) {
   double most = 0;
@@ -243,19 +248,21 @@ double patch_error(const Surface& surface, const Interval& u, const Interval& v,
   return most;
 }
 
-// R12: catenoid and helicoid are isometric at equal (u, v), and parallels know nothing but the metric. The curves of
-// one, taken over by (u, v), must be those of the other. The patches' first forms agree to 1e-11, which moves a
-// distance of 300 mm by half of that: nothing beside the 1e-6 of the curves.
+// R12: catenoid and helicoid are isometric at equal (u, v), and parallels know nothing but the metric. The
+// curves of one, taken over by (u, v), must be those of the other. The patches' first forms agree to 1e-11,
+// which moves a distance of 300 mm by half of that: nothing beside the 1e-6 of the curves.
 TEST(ParallelsClosedForms, OfCatenoidAndHelicoidAreIsometric) {
   const Interval u{-0.7, 0.7}, v{-0.75, 0.75};
-  const Surface catenoid = interpolated(u, v, 14, on_catenoid), helicoid = interpolated(u, v, 14, on_helicoid);
+  const Surface catenoid = interpolated(u, v, 14, on_catenoid),
+                helicoid = interpolated(u, v, 14, on_helicoid);
   double form = 0;
   EXPECT_LT(patch_error(catenoid, u, v, on_catenoid, &form), 1e-10);
   EXPECT_LT(patch_error(helicoid, u, v, on_helicoid, &form), 1e-10);
   EXPECT_LT(form, 1e-11);
 
-  // The skins end well within the patches, so that rays from the reference and its extension reach all of them.
-  // What a level curve adds at its ends beyond the rays starts where the last ray left, found to some 1e-4 mm.
+  // The skins end well within the patches, so that rays from the reference and its extension reach all of
+  // them. What a level curve adds at its ends beyond the rays starts where the last ray left, found to some
+  // 1e-4 mm.
   const Interval iu{-0.35, 0.35}, iv{-0.4, 0.4};
   const Skin skins[2] = {make_skin(catenoid, iu, iv), make_skin(helicoid, iu, iv)};
   ParallelOptions options = exact_options(skins[0], 25.4);
@@ -284,7 +291,6 @@ TEST(ParallelsClosedForms, OfCatenoidAndHelicoidAreIsometric) {
   }
   EXPECT_LT(worst, 1e-6);
   EXPECT_GT(counted, 1000);
-  std::printf("isometry %g %d\n", worst, counted);
 }
 
 }  // namespace

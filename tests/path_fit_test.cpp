@@ -1,8 +1,8 @@
 #include "trajectory/path_fit.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "geometry/curvature.h"
 #include "tests/specimens.h"
@@ -14,7 +14,8 @@ namespace {
 /// A path of stepped points every 2 mm over `length`, along a geodesic from (u, v), each moved sideways by
 /// `offset(s)`.
 template <typename Offset>
-SteppedPath path_beside_geodesic(const Skin& skin, const Uv& from, const Vec3& direction, double length, Offset offset) {
+SteppedPath path_beside_geodesic(const Skin& skin, const Uv& from, const Vec3& direction, double length,
+                                 Offset offset) {
   const GeodesicTracer tracer(skin, {});
   GeodesicState g = tracer.start({0, from}, direction);
   SteppedPath path;
@@ -96,8 +97,8 @@ FitOptions with_fairness(double fairness) {
   return o;
 }
 
-// What is reported is what is found on the path itself. The points are measured from the faired points, and the
-// spline's deviation from those is added to the maximum: so the maximum is a bound, and neither is off by
+// What is reported is what is found on the path itself. The points are measured from the faired points, and
+// the spline's deviation from those is added to the maximum: so the maximum is a bound, and neither is off by
 // more than the spline's deviation, to the second order of the slopes (noise / step, some 1e-2 here).
 TEST(PathFit, ReportsTheResidualThatIsThere) {
   const Skin skin = make_skin(gentle_surface(), {0, 1}, {0, 1});
@@ -147,21 +148,21 @@ TEST(PathFit, FairsANoisyPath) {
 }
 
 // The answer to a wave of length l: w'' and w''' turn the balance into 1 : fairness length^6 (2 pi / l)^6, so
-// that share of the wave is taken away. On a plane, where the balance is exact; in the middle, away from the ends.
+// that share of the wave is taken away. On a plane, where the balance is exact; in the middle, away from the
+// ends.
 TEST(PathFit, DampsAWaveByItsSixthPower) {
   const Skin skin = make_skin(Surface::plane({}), {-1000, 3000}, {-500, 500});
   for (const double wave : {100.0, 150.0, 250.0}) {
-    const SteppedPath stepped = path_beside_geodesic(skin, Uv(0, 0), Vec3(1, 0, 0), 2000, [&](double s) {
-      return 0.1 * std::sin(2 * pi * s / wave);
-    });
+    const SteppedPath stepped = path_beside_geodesic(
+        skin, Uv(0, 0), Vec3(1, 0, 0), 2000, [&](double s) { return 0.1 * std::sin(2 * pi * s / wave); });
     FairingOptions options;
     const SteppedPath fair = fair_path(skin, stepped, options);
     const double load = options.fairness * std::pow(options.length_mm * 2 * pi / wave, 6);
     double most = 0;
     for (const SteppedPoint& p : fair.points)
       if (p.position.x() > 700 && p.position.x() < 1300) most = std::max(most, std::abs(p.position.y()));
-    // Three-point differences over 2 mm are off by (2 pi 2 / wave)^2 / 12, thrice in the third derivative; the
-    // samples miss the crest by as much; slopes of 6e-3 count squared.
+    // Three-point differences over 2 mm are off by (2 pi 2 / wave)^2 / 12, thrice in the third derivative;
+    // the samples miss the crest by as much; slopes of 6e-3 count squared.
     const double relative = std::pow(4 * pi / wave, 2) + 1e-4;
     EXPECT_NEAR(most, 0.1 / (1 + load), 0.1 / (1 + load) * relative) << wave;
   }
@@ -185,8 +186,8 @@ TEST(PathFit, LeavesAFairPathAlone) {
   const Skin skin = make_skin(gentle_surface(), {0, 1}, {0, 1});
   const SteppedPath geodesic = path_beside_geodesic(skin, from, direction, 700, [](double) { return 0; });
   const SteppedPath fair = fair_path(skin, geodesic, {});
-  // The turn of the chords about the normal is kappa_g to O(h^2): h^2 / 12 times a product of three curvatures,
-  // some 1e-10 here, which moves a wave of W by W^2 times that.
+  // The turn of the chords about the normal is kappa_g to O(h^2): h^2 / 12 times a product of three
+  // curvatures, some 1e-10 here, which moves a wave of W by W^2 times that.
   double most = 0;
   for (std::size_t i = 0; i < fair.points.size(); ++i)
     most = std::max(most, (fair.points[i].position - geodesic.points[i].position).norm());
@@ -213,8 +214,10 @@ TEST(PathFit, KeepsTheEndsAndTheOrder) {
   }
   const PathFit fit = fit_path(skin, stepped, {});
   EXPECT_FALSE(fit.path->closed());
-  EXPECT_LE((fit.path->at(fit.path->first()).frame.position - fair.points.front().position).norm(), fit.spline_mm + 1e-6);
-  EXPECT_LE((fit.path->at(fit.path->last()).frame.position - fair.points.back().position).norm(), fit.spline_mm + 1e-6);
+  EXPECT_LE((fit.path->at(fit.path->first()).frame.position - fair.points.front().position).norm(),
+            fit.spline_mm + 1e-6);
+  EXPECT_LE((fit.path->at(fit.path->last()).frame.position - fair.points.back().position).norm(),
+            fit.spline_mm + 1e-6);
 }
 
 }  // namespace

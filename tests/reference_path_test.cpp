@@ -1,8 +1,8 @@
 #include "trajectory/reference_path.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "geometry/curvature.h"
 #include "tests/specimens.h"
@@ -51,15 +51,17 @@ void expect_sound(const Skin& skin, const SteppedPath& path, double lambda) {
   }
 }
 
-// Error O(lambda^2) against the field line: halving the step quarters it. The truth is a step 16 times smaller
-// than the finest that is measured and adds 1/256 of that one's error. The bound 1.8 leaves room for the next
-// term of the expansion only; a first-order rule gives 1.
+// Error O(lambda^2) against the field line: halving the step quarters it. The truth is a step 16 times
+// smaller than the finest that is measured and adds 1/256 of that one's error. The bound 1.8 leaves room for
+// the next term of the expansion only; a first-order rule gives 1.
 TEST(ReferencePath, IsOfSecondOrderInTheStep) {
   const Skin skin = make_skin(gentle_surface(), {0, 1}, {0, 1});
   const DirectionField field = varying_field(skin);
   const SurfacePoint start{0, Uv(0.5, 0.47)};
   const double walked = 320;
-  const auto path_of = [&](double lambda) { return step_reference_path(skin, field, start, steps_of(lambda)); };
+  const auto path_of = [&](double lambda) {
+    return step_reference_path(skin, field, start, steps_of(lambda));
+  };
   const SteppedPath paths[] = {path_of(4), path_of(2), path_of(1), path_of(0.0625)};
   for (const int way : {1, -1}) {
     const auto after = [&](const SteppedPath& path, double lambda) {
@@ -75,15 +77,16 @@ TEST(ReferencePath, IsOfSecondOrderInTheStep) {
   }
 }
 
-// The step by itself, on a cylinder along the hoop: the osculating circle is the hoop, so the step is exact. At a
-// slant the arc leaves the helix by the next term: third order in the step.
+// The step by itself, on a cylinder along the hoop: the osculating circle is the hoop, so the step is exact.
+// At a slant the arc leaves the helix by the next term: third order in the step.
 TEST(ReferencePath, StepsOnTheOsculatingArc) {
   const double R = 350;
   const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, 1000});
   const ArcStep from{{0, Uv(1, 500)}, 1, false};
   const SurfaceDerivatives d = skin.derivatives(from.at);
   const auto miss = [&](double angle, double length) {
-    const auto to = arc_step(skin, from, std::cos(angle) * d.Su.normalized() + std::sin(angle) * d.Sv, length);
+    const auto to =
+        arc_step(skin, from, std::cos(angle) * d.Su.normalized() + std::sin(angle) * d.Sv, length);
     if (!to) return 1e9;
     const double phi = 1 + length * std::cos(angle) / R, z = 500 + length * std::sin(angle);
     return (skin.point(to->at) - Vec3(R * std::cos(phi), R * std::sin(phi), z)).norm();
@@ -159,7 +162,8 @@ DirectionField hoop_field(const Skin& skin, double R, double z) {
   PlyOrientation ply{"P", {}, 0};
   for (int i = 0; i < 12; ++i) {
     const double a = i * pi / 6;
-    ply.points.push_back({Vec3(R * std::cos(a), R * std::sin(a), z + 5 * i), Vec3(-std::sin(a), std::cos(a), 0), 0});
+    ply.points.push_back(
+        {Vec3(R * std::cos(a), R * std::sin(a), z + 5 * i), Vec3(-std::sin(a), std::cos(a), 0), 0});
   }
   return make_direction_field(skin, ply, 4 * R, 5, "");
 }
@@ -170,13 +174,15 @@ void expect_hoop(const SteppedPath& path, double R, double z) {
   EXPECT_EQ(path.end[0], WalkEnd::closed);
   EXPECT_EQ(path.end[1], WalkEnd::closed);
   EXPECT_EQ(path.points.front().position, path.points.back().position);
-  // Once round: chords of 2 mm fall short of their arcs by their third power, and the last step is what is left.
+  // Once round: chords of 2 mm fall short of their arcs by their third power, and the last step is what is
+  // left.
   EXPECT_NEAR(path.points.back().s_mm, 2 * pi * R, 4);
   for (const SteppedPoint& p : path.points) EXPECT_NEAR(p.position.z(), z, 1e-8) << R;
 }
 
-// The path closes where it comes back to its start, whatever the radius and the rest of the last step: on narrow
-// tubes the bend of the last step was once taken for a sideways distance, and the path for one alongside itself.
+// The path closes where it comes back to its start, whatever the radius and the rest of the last step: on
+// narrow tubes the bend of the last step was once taken for a sideways distance, and the path for one
+// alongside itself.
 TEST(ReferencePath, ClosesRoundACylinder) {
   for (double R = 25; R < 400; R *= 1.07) {
     const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, 200});
@@ -234,8 +240,10 @@ TEST(ReferencePath, CountsTheStepsWithoutAPlyPointInRange) {
   const Skin skin = make_skin(Surface::plane({}), {0, 1000}, {0, 600});
   std::vector<OrientationPoint> points;
   for (int i = 0; i <= 10; ++i) points.push_back({Vec3(50 * i, 300, 0), Vec3(1, 0, 0), Vec3::UnitZ()});
-  const SteppedPath path = step_reference_path(skin, DirectionField(points, 51), {0, Uv(500, 300)}, steps_of(2));
-  // The last point in range lies 51 before x = 551; half a step ahead is asked too: 1 step of about 225 of doubt.
+  const SteppedPath path =
+      step_reference_path(skin, DirectionField(points, 51), {0, Uv(500, 300)}, steps_of(2));
+  // The last point in range lies 51 before x = 551; half a step ahead is asked too: 1 step of about 225 of
+  // doubt.
   EXPECT_NEAR(static_cast<double>(path.doubled), (1000 - 551) / 2.0, 2);
   EXPECT_NEAR(static_cast<double>(path.steps), 500, 2);
 }
@@ -244,7 +252,8 @@ TEST(ReferencePath, CountsTheStepsWithoutAPlyPointInRange) {
 TEST(ReferencePath, EndsWhereTheDirectionsCancel) {
   const Skin skin = make_skin(Surface::plane({}), {-300, 300}, {-300, 300});
   // Nothing but the normal is asked for beyond x = 100.
-  const DirectionField field({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3::UnitZ()}, {Vec3(200, 0, 0), Vec3(0, 0, 1), Vec3::UnitZ()}}, 99);
+  const DirectionField field(
+      {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3::UnitZ()}, {Vec3(200, 0, 0), Vec3(0, 0, 1), Vec3::UnitZ()}}, 99);
   const SteppedPath path = step_reference_path(skin, field, {0, Uv(-50, 0)}, steps_of(2));
   EXPECT_EQ(path.end[1], WalkEnd::singular_field);
   EXPECT_NEAR(path.points.back().position.x(), 101, 3);
@@ -261,7 +270,8 @@ TEST(ReferencePath, WalksOverAHole) {
   Loop hole;
   const Uv corner[4] = {{150, 100}, {150, 200}, {250, 200}, {250, 100}};  // clockwise
   for (int i = 0; i < 4; ++i) {
-    hole.coedges.push_back({line_segment(corner[i], corner[(i + 1) % 4]), false, static_cast<int>(part.edges.size())});
+    hole.coedges.push_back(
+        {line_segment(corner[i], corner[(i + 1) % 4]), false, static_cast<int>(part.edges.size())});
     part.edges.push_back({});
   }
   part.faces[0].loops.push_back(hole);

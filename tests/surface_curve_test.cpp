@@ -1,9 +1,9 @@
 #include "geometry/surface_curve.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <functional>
-
-#include <gtest/gtest.h>
 
 #include "geometry/closest_point.h"
 #include "geometry/curvature.h"
@@ -35,8 +35,9 @@ SurfaceCurve sampled(const Skin& skin, const KnownCurve& known, int spans, Uv se
       node.at = {0, *foot_point(surface, known.point(node.t), seed)};
       seed = node.at.uv;
       // On a break the derivatives are those of the piece's own side.
-      const Uv inward = i == 0 ? Uv(*foot_point(surface, known.point(node.t + 1e-3 * (s1 - s0)), seed) - seed)
-                               : Uv(i == spans && !piece.empty() ? Uv(piece.back().at.uv - seed) : Uv(Uv::Zero()));
+      const Uv inward =
+          i == 0 ? Uv(*foot_point(surface, known.point(node.t + 1e-3 * (s1 - s0)), seed) - seed)
+                 : Uv(i == spans && !piece.empty() ? Uv(piece.back().at.uv - seed) : Uv(Uv::Zero()));
       const SurfaceDerivatives d = surface.derivatives(surface.span_at(seed, inward), seed);
       node.duv = tangent_to_uv(d, known.tangent(node.t));
       node.kg_per_mm = known.kg;
@@ -209,7 +210,8 @@ TEST(SurfaceCurve, FeetOfTwoGeodesicsOnASphere) {
   }
 }
 
-// Where a ray from the curve ends, the foot is the ray's start, at its length; on a surface without any symmetry.
+// Where a ray from the curve ends, the foot is the ray's start, at its length; on a surface without any
+// symmetry.
 TEST(SurfaceCurve, TheFootOfARaysEndIsItsStart) {
   const Skin skin = make_bumpy_skin();
   const GeodesicTracer tracer = exact_tracer(skin);
