@@ -28,7 +28,6 @@ namespace {
 using test::distance_to;
 using test::exact_options;
 using test::for_each_midpoint;
-using test::length_of;
 using test::on_skin;
 using test::uv_line;
 using test::W;

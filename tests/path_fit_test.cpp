@@ -60,7 +60,7 @@ double curvature_variation(const SourceCurve& path) {
   return sum;
 }
 
-/// Distance of p from the path: the least over its parameter near t, by a dense search and a parabola's foot.
+/// Distance of p from the path: along the tangent to the foot, from t.
 double distance(const SourceCurve& path, const Vec3& p, double t) {
   for (int iteration = 0; iteration < 50; ++iteration) {
     const SourceCurve::Frame f = path.at(t);
