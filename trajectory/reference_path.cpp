@@ -201,7 +201,8 @@ class Walker {
       const Vec3 r = q.position - p.position;
       if (std::abs(r.dot(p.direction)) > options_.step_mm || r.norm() > W) return;
       if (n.dot(q.normal_sign * skin_.normal(q.at)) < 0.5) return;
-      const double lateral = (r - r.dot(p.direction) * p.direction).norm();
+      // Sideways along the skin: the height of the arc between the points is no distance.
+      const double lateral = r.norm() < 2 * options_.step_mm ? std::abs(r.dot(n.cross(p.direction))) : r.norm();
       const bool is_start = own_.empty() ? false : (own ? q.s_mm < options_.step_mm : false);
       out = is_start && walk.points.size() > 2 && lateral < 0.01 * options_.step_mm ? WalkEnd::closed
                                                                                       : WalkEnd::alongside;
