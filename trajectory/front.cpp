@@ -47,7 +47,7 @@ namespace {
 GeodesicOptions for_extensions(GeodesicOptions options, double margin_mm) {
   options.margin_mm = margin_mm;
   // Short of the far side, where extensions of both ends of a path round a dome would overlap.
-  options.outside_limit_mm *= 0.7;
+  options.outside_limit_mm *= 0.25;
   return options;
 }
 
@@ -372,7 +372,7 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
     states.push_back(g);
     if (level == 0 || !runs_ahead(at, current)) {
       clear = states.size();
-    } else if (g.s_mm - states[clear - 1].s_mm > 0.5 * options_.spacing_mm) {
+    } else if (g.s_mm - states[clear - 1].s_mm > 10 * options_.spacing_mm) {
       // It does not cross that curve soon: that curve's next level covers the place.
       states.resize(clear);
       *stopped = true;

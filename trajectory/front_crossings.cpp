@@ -139,6 +139,17 @@ class CrossingSolver {
     return std::nullopt;
   }
 
+  /// Where the Jacobi field vanishes between a ray with y > 0 and one with y <= 0.
+  double focal(const StrandPlace& place, double good_t, double bad_t) const {
+    for (int k = 0; k < 50 && std::abs(good_t - bad_t) > 1e-10; ++k) {
+      bool alive = false;
+      const double mid = 0.5 * (good_t + bad_t);
+      const Ray ray = front(place).shoot(strand(place).source, mid, level_, &alive);
+      (alive && ray.state.y > 0 ? good_t : bad_t) = mid;
+    }
+    return good_t;
+  }
+
  private:
   const Front& front(const StrandPlace& p) const { return *fronts_[static_cast<std::size_t>(p.front)]; }
   const Strand& strand(const StrandPlace& p) const { return front(p).strands()[p.strand]; }
@@ -205,9 +216,14 @@ std::vector<FrontCrossing> front_crossings(const std::array<const Front*, 2>& fr
         std::size_t j = i;
         while (j + 1 < rays.size() && rays[j].state.y <= 0) ++j;
         if (rays[j].state.y <= 0) break;
-        const double mid = 0.5 * (rays[i].t + rays[j].t), half = 0.5 * (rays[j].t - rays[i - 1].t) * std::sqrt(3.0);
         const StrandPlace place{f, s};
-        take(solver.solve(place, std::max(mid - half, rays.front().t), place, std::min(mid + half, rays.back().t)));
+        const double c0 = solver.focal(place, rays[i - 1].t, rays[i].t), c1 = solver.focal(place, rays[j].t, rays[j - 1].t);
+        for (const double reach : {std::sqrt(3.0), 1.4, 2.2}) {
+          const double half = 0.5 * (c1 - c0) * reach, mid = 0.5 * (c0 + c1);
+          const std::size_t known = out.size();
+          take(solver.solve(place, std::max(mid - half, rays.front().t), place, std::min(mid + half, rays.back().t)));
+          if (out.size() > known) break;
+        }
       }
     }
   }

@@ -1,18 +1,18 @@
 #include "trajectory/trim_front.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <tbb/parallel_for.h>
 
 #include "trajectory/front_crossings.h"
 
 namespace afptraj {
 namespace {
 
-constexpr double least_y = 0.01;            // a stretch ends this short of a focal point
-constexpr double end_tolerance_mm = 1e-7;   // how closely an end between probes is located
+constexpr double least_y = 0.01;           // a stretch ends this short of a focal point
+constexpr double end_tolerance_mm = 1e-7;  // how closely an end between probes is located
 
 /// Where a strand is cut, and which of the two branches goes on.
 struct Cut {
@@ -62,7 +62,8 @@ class Trimmer {
     for (std::size_t c = 0; c < crossings.size(); ++c) {
       if (!reached[c]) continue;
       // The reference itself is laid as it is; only its extensions are cut.
-      if (level_ == 0 && strand(crossings[c].place[0]).fresh_end < 0 && strand(crossings[c].place[1]).fresh_end < 0)
+      if (level_ == 0 && strand(crossings[c].place[0]).fresh_end < 0 &&
+          strand(crossings[c].place[1]).fresh_end < 0)
         continue;
       const FrontCrossing& x = crossings[c];
       PathFrame frame[2];
@@ -113,7 +114,8 @@ class Trimmer {
     std::vector<Event> events;
     for (std::size_t c = 0; c < crossings.size(); ++c)
       events.push_back({std::max(way(crossings[c], 0), way(crossings[c], 1)), c});
-    std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) { return a.way_mm < b.way_mm; });
+    std::stable_sort(events.begin(), events.end(),
+                     [](const Event& a, const Event& b) { return a.way_mm < b.way_mm; });
     std::array<std::vector<double>, 2> ends;
     for (std::size_t f = 0; f < 2; ++f)
       if (fronts_[f]) ends[f].assign(fronts_[f]->strands().size(), std::numeric_limits<double>::infinity());
@@ -133,11 +135,29 @@ class Trimmer {
     return reached;
   }
 
+  /// Rays short of a focal point. A Jacobi field that comes close to zero and grows again is none.
+  static std::vector<char> short_of_focal(const Strand& strand) {
+    const std::size_t n = strand.rays.size();
+    std::vector<char> out(n);
+    for (std::size_t i = 0; i < n; ++i) out[i] = strand.rays[i].state.y > least_y;
+    for (std::size_t i = 0; i < n;) {
+      std::size_t j = i;
+      while (j < n && !out[j] && strand.rays[j].state.y > 0) ++j;
+      if (j > i && i > 0 && j < n && out[j])
+        std::fill(out.begin() + static_cast<std::ptrdiff_t>(i), out.begin() + static_cast<std::ptrdiff_t>(j),
+                  1);
+      i = std::max(j, i + 1);
+      while (i < n && !out[i] && !out[i - 1]) ++i;  // the rest of a run that has a focal point
+    }
+    return out;
+  }
+
   /// Focal points: between rays whose Jacobi field changes from good to bad.
   void cut_at_cusps(const Front& front, const Strand& strand, std::vector<Cut>& cuts) const {
+    const std::vector<char> fine = short_of_focal(strand);
     for (std::size_t i = 0; i + 1 < strand.rays.size(); ++i) {
-      const bool good = strand.rays[i].state.y > least_y;
-      if (good == (strand.rays[i + 1].state.y > least_y)) continue;
+      const bool good = fine[i];
+      if (good == static_cast<bool>(fine[i + 1])) continue;
       Ray in = good ? strand.rays[i] : strand.rays[i + 1], out = good ? strand.rays[i + 1] : strand.rays[i];
       for (int k = 0; k < 60 && std::abs(in.t - out.t) > 1e-9; ++k) {
         bool alive = false;
@@ -177,8 +197,9 @@ class Trimmer {
     const bool plain = strand && ray.state.y > 0.5;
     return laid_
         .rival(front.probe_tracer(), frame.position, frame.normal,
-               front.options().spacing_mm - front.options().validity_tolerance_mm, plain ? strand->parent : -1,
-               plain ? ray.t + strand->parent_offset : 0, plain ? 1.5 * front.options().sample_mm : 0)
+               front.options().spacing_mm - front.options().validity_tolerance_mm,
+               plain ? strand->parent : -1, plain ? ray.t + strand->parent_offset : 0,
+               plain ? 1.5 * front.options().sample_mm : 0)
         .has_value();
   }
 
@@ -205,27 +226,31 @@ class Trimmer {
                       std::vector<Strand>& kept) const {
     for (Stretch& stretch : stretches_of(strand, cuts)) {
       if (stretch.rays.size() < 2) continue;
-      const bool dropped = (stretch.cut[0] && !stretch.cut[0]->after) || (stretch.cut[1] && !stretch.cut[1]->before);
+      const bool dropped =
+          (stretch.cut[0] && !stretch.cut[0]->after) || (stretch.cut[1] && !stretch.cut[1]->before);
       if (dropped && (is_beyond_cusp(stretch) || !is_clear(front, strand, stretch))) continue;
       const auto length = static_cast<std::ptrdiff_t>(stretch.rays.size());
       std::vector<char> valid(stretch.rays.size(), 1);
       tbb::parallel_for(std::ptrdiff_t{0}, length, [&](std::ptrdiff_t i) {
         // The ends at cuts have been judged with the cut; one ray alone stands for the whole.
         const bool judged = (i == 0 && stretch.cut[0]) || (i + 1 == length && stretch.cut[1]);
-        if (!judged) valid[static_cast<std::size_t>(i)] = good(front, stretch.rays[static_cast<std::size_t>(i)], strand);
+        if (!judged)
+          valid[static_cast<std::size_t>(i)] = good(front, stretch.rays[static_cast<std::size_t>(i)], strand);
       });
       if (length == 2 && stretch.cut[0] && stretch.cut[1]) {
         bool alive = false;
-        const Ray mid = front.shoot(strand.source, 0.5 * (stretch.rays[0].t + stretch.rays[1].t), level_, &alive);
+        const Ray mid =
+            front.shoot(strand.source, 0.5 * (stretch.rays[0].t + stretch.rays[1].t), level_, &alive);
         if (!alive || !good(front, mid, strand)) continue;
       }
       keep_runs(front, strand, stretch, valid, kept);
     }
   }
 
-  /// Runs of valid rays. Between cuts they are all or none, but for fronts whose other branch has left the skin.
-  void keep_runs(const Front& front, const Strand& strand, const Stretch& stretch, const std::vector<char>& valid,
-                 std::vector<Strand>& kept) const {
+  /// Runs of valid rays. Between cuts they are all or none, but for fronts whose other branch has left the
+  /// skin.
+  void keep_runs(const Front& front, const Strand& strand, const Stretch& stretch,
+                 const std::vector<char>& valid, std::vector<Strand>& kept) const {
     std::size_t i = 0;
     while (i < valid.size()) {
       if (!valid[i]) {
@@ -255,7 +280,8 @@ class Trimmer {
         if (e == 1 && end.t > run.rays.back().t) run.rays.push_back(end);
       }
       if (run.rays.size() >= 2) {
-        if (run.rays.size() != strand.rays.size()) front.refine(run, level_);  // a new end may stand close to a cusp
+        if (run.rays.size() != strand.rays.size())
+          front.refine(run, level_);  // a new end may stand close to a cusp
         kept.push_back(std::move(run));
       }
       i = j + 1;
@@ -263,7 +289,9 @@ class Trimmer {
   }
 
   Ray last_good(const Front& front, const Strand& strand, Ray in, Ray out) const {
-    const auto apart = [&] { return (front.skin().point(in.state.at) - front.skin().point(out.state.at)).norm(); };
+    const auto apart = [&] {
+      return (front.skin().point(in.state.at) - front.skin().point(out.state.at)).norm();
+    };
     for (int i = 0; i < 60 && apart() > end_tolerance_mm; ++i) {
       bool alive = false;
       const Ray mid = front.shoot(strand.source, 0.5 * (in.t + out.t), level_, &alive);
