@@ -21,6 +21,20 @@ Vec oriented(const Skin& skin, const Foot& at, const Vec& like) {
   return n * like < 0 ? n.Reversed() : n;
 }
 
+// On a line where the surface is only continuous either side's normal is right: the sides are looked at 1e-4 mm
+// away, where a smooth surface of radius 1 mm and more has turned by no more than the limit.
+double normal_miss(const Skin& skin, const Sample& s, const Vec& n) {
+  constexpr double aside_mm = 1e-4;
+  double miss = (n ^ s.n).Modulus();
+  if (miss <= aside_mm) return miss;
+  const Vec b = s.n ^ s.t;
+  for (const Vec& way : {b, b.Reversed(), s.t, s.t.Reversed()}) {
+    const Foot beside = skin.foot(s.at.face, s.x + way * aside_mm, s.at.u, s.at.v);
+    miss = std::min(miss, (oriented(skin, beside, s.n) ^ s.n).Modulus());
+  }
+  return miss;
+}
+
 // For each face +1 or -1: the sense of S_u x S_v against the normals that the paths carry, by the samples on
 // it; 0 where there are none.
 std::vector<double> face_senses(const Skin& skin, const PlyPaths& ply) {
@@ -79,7 +93,7 @@ SurfaceCheck check_on_surface(const Skin& skin, PlyPaths& ply) {
         check.outside.take(std::min(edge.on_pcurve, edge.on_curve), s.x, what);
       }
       const Vec n = oriented(skin, s.at, s.n);
-      check.normal.take((n ^ s.n).Modulus(), s.x, what);
+      check.normal.take(normal_miss(skin, s, n), s.x, what);
       check.tangent.take(std::abs(n * s.t), s.x, what);
       if (i == 0) continue;
       const double ds = s.s - segment.samples[i - 1].s, chord = (s.x - segment.samples[i - 1].x).Modulus();
