@@ -172,5 +172,38 @@ TEST(Parallels, FollowTheTrueDistanceWhereFrontsFold) {
   EXPECT_GT(checked, 2000);
 }
 
+// A front ends inside the skin only where it meets another: both end at one point, to the solver's accuracy.
+TEST(Parallels, EndInsideOnlyInPairs) {
+  const Skin bumpy = make_bumpy_skin();
+  const Skin tube = make_skin(Surface::cylinder({}, 350), {0, 2 * pi}, {0, 1000});
+  const double turn = 1000.0 / 350;
+  const auto helix = std::make_shared<const SplinePath>(
+      tube, std::vector<SplinePath::Piece>{{0, 1, line_segment(Uv(1, 0), Uv(1 + turn, 1000), 0, 1000 * std::sqrt(2.0))}},
+      false);
+  int pairs = 0;
+  const auto check = [&](const Skin& skin, const Parallels& parallels) {
+    for (const LevelCurve& level : parallels.levels) {
+      std::vector<Vec3> ends;
+      for (const LevelCurve& other : parallels.levels)  // fronts of both sides may meet
+        if (std::abs(other.number) == std::abs(level.number))
+          for (const SurfaceCurve& curve : other.curves) {
+            if (curve.closed) continue;
+            for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()})
+              if (skin.trim(node->at.face).contains(node->at.uv)) ends.push_back(skin.point(node->at));
+          }
+      for (std::size_t i = 0; i < ends.size(); ++i) {
+        double nearest = 1e300;
+        for (std::size_t j = 0; j < ends.size(); ++j)
+          if (j != i) nearest = std::min(nearest, (ends[j] - ends[i]).norm());
+        EXPECT_LT(nearest, 1e-6) << "course " << level.number << " ends at " << ends[i].transpose();
+        ++pairs;
+      }
+    }
+  };
+  check(bumpy, geodesic_parallels(bumpy, uv_line(bumpy, Uv(0, 0.5), Uv(1, 0.45)), options_for(bumpy)));
+  check(tube, geodesic_parallels(tube, helix, options_for(tube)));
+  EXPECT_GT(pairs, 10);
+}
+
 }  // namespace
 }  // namespace afptraj
