@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/bspline_curve.h"
+#include "geometry/piece_kernel.h"
 
 namespace afptraj {
 namespace {
@@ -26,6 +27,7 @@ struct Direction {
   std::vector<int> first_pole;                 // by span
   std::vector<Eigen::MatrixXd> to_bernstein;   // by span
   std::vector<double> creases;
+  std::vector<double> piece_lo, piece_scale;   // by span + 1: start of its interval and 2 / length
   double period = 0;
   int spans() const { return static_cast<int>(breaks.size()) - 1; }
 };
@@ -90,40 +92,6 @@ Eigen::MatrixXd bernstein_to_monomial(int degree) {
   return out;
 }
 
-struct Value2 {
-  Vec4 f, fu, fv, fuu, fuv, fvv;
-};
-
-/// f, f', f'' of the polynomial with coefficients c[0 .. degree] (stride in elements) at x.
-struct Jet {
-  Vec4 f, d, dd;
-};
-inline Jet horner(const Vec4* c, int degree, double x) {
-  Vec4 f = c[degree], d = Vec4::Zero(), dd = Vec4::Zero();
-  for (int i = degree - 1; i >= 0; --i) {
-    dd = dd * x + d;
-    d = d * x + f;
-    f = f * x + c[i];
-  }
-  return {f, d, 2 * dd};
-}
-
-Value2 evaluate_monomial(const Vec4* c, int p, int q, double x, double y) {
-  const Jet top = horner(c + p * (q + 1), q, y);
-  Value2 r{top.f, Vec4::Zero(), top.d, Vec4::Zero(), Vec4::Zero(), top.dd};
-  for (int i = p - 1; i >= 0; --i) {
-    const Jet row = horner(c + i * (q + 1), q, y);
-    r.fuu = r.fuu * x + r.fu;
-    r.fu = r.fu * x + r.f;
-    r.f = r.f * x + row.f;
-    r.fuv = r.fuv * x + r.fv;
-    r.fv = r.fv * x + row.d;
-    r.fvv = r.fvv * x + row.dd;
-  }
-  r.fuu *= 2;
-  return r;
-}
-
 /// Bernstein basis of `degree` with two derivatives with respect to x in [-1, 1].
 void bernstein_basis(int degree, double x, double out[3][max_degree + 1]) {
   const double t = 0.5 * (1 + x), s = 1 - t;
@@ -148,11 +116,12 @@ void bernstein_basis(int degree, double x, double out[3][max_degree + 1]) {
   }
 }
 
-Value2 evaluate_bernstein(const Vec4* c, int p, int q, double x, double y) {
+void evaluate_bernstein(const Vec4* c, int p, int q, double x, double y, PieceValues& out) {
   double bu[3][max_degree + 1], bv[3][max_degree + 1];
   bernstein_basis(p, x, bu);
   bernstein_basis(q, y, bv);
-  Value2 r{Vec4::Zero(), Vec4::Zero(), Vec4::Zero(), Vec4::Zero(), Vec4::Zero(), Vec4::Zero()};
+  Eigen::Map<Vec4> rf(out.f), rfu(out.fu), rfv(out.fv), rfuu(out.fuu), rfuv(out.fuv), rfvv(out.fvv);
+  rf.setZero(), rfu.setZero(), rfv.setZero(), rfuu.setZero(), rfuv.setZero(), rfvv.setZero();
   for (int i = 0; i <= p; ++i) {
     Vec4 f = Vec4::Zero(), d = Vec4::Zero(), dd = Vec4::Zero();
     for (int j = 0; j <= q; ++j) {
@@ -161,14 +130,13 @@ Value2 evaluate_bernstein(const Vec4* c, int p, int q, double x, double y) {
       d += bv[1][j] * pole;
       dd += bv[2][j] * pole;
     }
-    r.f += bu[0][i] * f;
-    r.fu += bu[1][i] * f;
-    r.fuu += bu[2][i] * f;
-    r.fv += bu[0][i] * d;
-    r.fuv += bu[1][i] * d;
-    r.fvv += bu[0][i] * dd;
+    rf += bu[0][i] * f;
+    rfu += bu[1][i] * f;
+    rfuu += bu[2][i] * f;
+    rfv += bu[0][i] * d;
+    rfuv += bu[1][i] * d;
+    rfvv += bu[0][i] * dd;
   }
-  return r;
 }
 
 /// The linear continuation of Bernstein rows beyond an end, over a box of the neighbour's width:
@@ -203,12 +171,18 @@ struct Surface::Data {
   const Vec4* piece(int iu, int iv) const {
     return pieces.data() + static_cast<std::ptrdiff_t>(((iu + 1) * (v.spans() + 2) + iv + 1)) * piece_size();
   }
+  static double local(const Direction& d, int i, double t) {
+    return (t - d.piece_lo[static_cast<std::size_t>(i + 1)]) * d.piece_scale[static_cast<std::size_t>(i + 1)] - 1;
+  }
   Vec4* piece(int iu, int iv) { return const_cast<Vec4*>(std::as_const(*this).piece(iu, iv)); }
   void build();
   void extract_pieces();
   void continue_beyond_ends();
   void to_monomials();
+  double local_u(const Span& span, double t) const { return local(u, span.iu, t - span.shift_u); }
+  double local_v(const Span& span, double t) const { return local(v, span.iv, t - span.shift_v); }
   SurfaceDerivatives evaluate_spline(const Span& span, const Uv& uv) const;
+  Vec3 evaluate_spline_point(const Span& span, const Uv& uv) const;
   SurfaceDerivatives evaluate_analytic(const Uv& uv) const;
 };
 
@@ -227,6 +201,15 @@ void span_interval(const Direction& dir, int i, double& lo, double& hi) {
   } else {
     lo = b[static_cast<std::size_t>(i)];
     hi = b[static_cast<std::size_t>(i) + 1];
+  }
+}
+
+void set_piece_intervals(Direction& dir) {
+  for (int i = -1; i <= dir.spans(); ++i) {
+    double lo, hi;
+    span_interval(dir, i, lo, hi);
+    dir.piece_lo.push_back(lo);
+    dir.piece_scale.push_back(2 / (hi - lo));
   }
 }
 
@@ -255,6 +238,8 @@ void check(const BSplineSurface& s) {
 void Surface::Data::build() {
   u = make_direction(spline.knots_u, spline.degree_u, spline.periodic_u);
   v = make_direction(spline.knots_v, spline.degree_v, spline.periodic_v);
+  set_piece_intervals(u);
+  set_piece_intervals(v);
   rational = std::any_of(spline.weights.begin(), spline.weights.end(),
                          [&](double w) { return w != spline.weights.front(); });
   monomial = std::max(u.degree, v.degree) <= max_monomial_degree;
@@ -339,15 +324,20 @@ void Surface::Data::to_monomials() {
 }
 
 SurfaceDerivatives Surface::Data::evaluate_spline(const Span& span, const Uv& uv) const {
-  double ulo, uhi, vlo, vhi;
-  span_interval(u, span.iu, ulo, uhi);
-  span_interval(v, span.iv, vlo, vhi);
-  const double su = 2 / (uhi - ulo), sv = 2 / (vhi - vlo);
-  const double x = ((uv.x() - span.shift_u) - ulo) * su - 1;
-  const double y = ((uv.y() - span.shift_v) - vlo) * sv - 1;
+  const double su = u.piece_scale[static_cast<std::size_t>(span.iu + 1)];
+  const double sv = v.piece_scale[static_cast<std::size_t>(span.iv + 1)];
+  const double x = local_u(span, uv.x()), y = local_v(span, uv.y());
   const Vec4* c = piece(span.iu, span.iv);
-  const Value2 r = monomial ? evaluate_monomial(c, u.degree, v.degree, x, y)
-                            : evaluate_bernstein(c, u.degree, v.degree, x, y);
+  PieceValues values;
+  if (monomial) {
+    evaluate_piece(c->data(), u.degree, v.degree, x, y, values);
+  } else {
+    evaluate_bernstein(c, u.degree, v.degree, x, y, values);
+  }
+  using Row = Eigen::Map<const Vec4>;
+  const struct {
+    Row f, fu, fv, fuu, fuv, fvv;
+  } r{Row(values.f), Row(values.fu), Row(values.fv), Row(values.fuu), Row(values.fuv), Row(values.fvv)};
   SurfaceDerivatives d;
   if (!rational) {
     d.S = r.f.head<3>();
@@ -369,6 +359,15 @@ SurfaceDerivatives Surface::Data::evaluate_spline(const Span& span, const Uv& uv
   d.Suv = (r.fuv.head<3>() * (su * sv) - wu * d.Sv - wv * d.Su - wuv * d.S) * w;
   d.Svv = (r.fvv.head<3>() * (sv * sv) - 2 * wv * d.Sv - wvv * d.S) * w;
   return d;
+}
+
+Vec3 Surface::Data::evaluate_spline_point(const Span& span, const Uv& uv) const {
+  if (!monomial) return evaluate_spline(span, uv).S;
+  double h[4];
+  evaluate_piece_point(piece(span.iu, span.iv)->data(), u.degree, v.degree, local_u(span, uv.x()), local_v(span, uv.y()),
+                       h);
+  const Vec3 point(h[0], h[1], h[2]);
+  return rational ? Vec3(point * (1 / h[3])) : point;
 }
 
 SurfaceDerivatives Surface::Data::evaluate_analytic(const Uv& uv) const {
@@ -559,7 +558,10 @@ SurfaceDerivatives Surface::derivatives(const Span& span, const Uv& uv) const {
 
 SurfaceDerivatives Surface::derivatives(const Uv& uv) const { return derivatives(span_at(uv), uv); }
 
-Vec3 Surface::point(const Uv& uv) const { return derivatives(uv).S; }
+Vec3 Surface::point(const Uv& uv) const {
+  if (data_->kind != SurfaceKind::bspline) return data_->evaluate_analytic(uv).S;
+  return data_->evaluate_spline_point(span_at(uv), uv);
+}
 
 const std::vector<double>& Surface::breaks_u() const {
   return data_->kind == SurfaceKind::bspline ? data_->u.breaks : no_breaks;
