@@ -1,5 +1,7 @@
 #include "trajectory/front_crossings.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -157,6 +159,23 @@ class CrossingSolver {
   int level_;
 };
 
+/// Whether two chords follow each other over a link, on fronts that run forward: like neighbours within a strand
+/// they meet at that point only, where Newton-Raphson has no hold (the curves are tangent there).
+bool follow_over_link(const std::array<const Front*, 2>& fronts, const Chord& A, const Chord& B) {
+  if (A.place.front != B.place.front || (A.b - A.a).dot(B.b - B.a) <= 0) return false;
+  const auto& strands = fronts[static_cast<std::size_t>(A.place.front)]->strands();
+  const Strand &a = strands[A.place.strand], &b = strands[B.place.strand];
+  const auto forward = [](const Strand& s, std::size_t i) {
+    return s.rays[i].state.y > 0.1 && s.rays[i + 1].state.y > 0.1;
+  };
+  if (!forward(a, A.i) || !forward(b, B.i)) return false;
+  const auto links = [](const Strand& s, std::size_t i, const Strand& t, std::size_t j) {
+    return i + 2 == s.rays.size() && j == 0 && s.end[1] == StrandEnd::linked && t.end[0] == StrandEnd::linked &&
+           s.link[1] == t.link[0];
+  };
+  return links(a, A.i, b, B.i) || links(b, B.i, a, A.i);
+}
+
 /// Whether the crossing is the point at which two strands are joined.
 bool at_link(const std::array<const Front*, 2>& fronts, const FrontCrossing& x) {
   if (x.place[0] == x.place[1] || x.place[0].front != x.place[1].front) {
@@ -199,12 +218,24 @@ std::vector<FrontCrossing> front_crossings(const std::array<const Front*, 2>& fr
     return ray(c, c.i).t + std::clamp(x, 0.0, 1.0) * (ray(c, c.i + 1).t - ray(c, c.i).t);
   };
   const double cell = 2 * (fronts[0] ? fronts[0] : fronts[1])->options().sample_mm;
+  struct Seed {
+    StrandPlace a, b;
+    double ta, tb;
+    std::optional<FrontCrossing> found;
+  };
+  std::vector<Seed> seeds;
   ChordHash(chords, cell).visit_pairs(chords, [&](std::size_t i, std::size_t j) {
     const Chord &A = chords[i], &B = chords[j];
     if (A.place == B.place && B.i <= A.i + 1) return;
     double x = 0, y = 0;
-    if (pass_over(A, B, x, y)) take(solver.solve(A.place, t_at(A, x), B.place, t_at(B, y)));
+    if (pass_over(A, B, x, y) && !follow_over_link(fronts, A, B))
+      seeds.push_back({A.place, B.place, t_at(A, x), t_at(B, y), std::nullopt});
   });
+  tbb::parallel_for(std::size_t{0}, seeds.size(), [&](std::size_t i) {
+    Seed& seed = seeds[i];
+    seed.found = solver.solve(seed.a, seed.ta, seed.b, seed.tb);
+  });
+  for (const Seed& seed : seeds) take(seed.found);
   // A swallowtail narrower than the chords: x' = t^2 - c^2 crosses itself at t = +-sqrt(3) c.
   for (int f = 0; f < 2; ++f) {
     if (!fronts[static_cast<std::size_t>(f)]) continue;
