@@ -10,6 +10,8 @@ namespace {
 
 using Piece = std::vector<CurveNode>;
 
+constexpr double least_gap_mm = 1e-4;  // wider gaps between faces that share an edge get a sample on either side
+
 CurveNode node_at(const Piece& piece, std::size_t i, double x, const Uv& uv) {
   const CurveNode& a = piece[i];
   const CurveNode& b = piece[i + 1];
@@ -145,7 +147,12 @@ CourseSegment sample_segment(const Skin& skin, const SurfaceCurve& curve, const 
   for (const auto& piece : curve.pieces)
     for (std::size_t i = 0; i < piece.size(); ++i) {
       if (i > 0) s += arc_length(skin, piece, i - 1, 0, 1);
-      if (i == 0 && !out.samples.empty()) continue;  // the same point on the next face
+      if (i == 0 && !out.samples.empty()) {
+        // The same point on the next face; where the faces gap, the other side of the gap.
+        const double gap = (skin.point(piece[i].at) - out.samples.back().position).norm();
+        if (gap < least_gap_mm) continue;
+        s += gap;
+      }
       const CurveNode& node = piece[i];
       const SurfaceDerivatives d = skin.derivatives(node.at);
       CourseSample sample;
@@ -199,7 +206,10 @@ SurfaceCurve curve_of(const Skin& skin, const CourseSegment& segment) {
       const auto foot = same_place ? std::optional<Uv>(before.at.uv) : foot_point(surface, before.position, seed);
       const Uv uv = foot ? *foot : seed;
       out.pieces.emplace_back();
-      out.pieces.back().push_back(node_of(before, {sample.at.face, uv}, sample.at.uv - uv));
+      // Over a gap this sample itself stands on the edge: its piece begins with it.
+      const bool gap = before.at.face != sample.at.face &&
+                       (skin.point({sample.at.face, uv}) - sample.position).norm() < 0.5 * (node.t - last.t);
+      if (!gap) out.pieces.back().push_back(node_of(before, {sample.at.face, uv}, sample.at.uv - uv));
     }
     out.pieces.back().push_back(node);
   }

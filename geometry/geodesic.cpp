@@ -227,12 +227,7 @@ GeodesicTracer::Crossing GeodesicTracer::enter_mate(GeodesicState& state, const 
   const SurfaceDerivatives a = from.surface.derivatives(state.at.uv);
   const Coedge& out = skin_->coedge(use);
   const Coedge& in = skin_->coedge(other);
-  const Uv seed = in.pcurve.point(std::clamp(t, in.pcurve.first(), in.pcurve.last()));
-  Uv uv = seed;
-  if (const auto foot = foot_point(to.surface, a.S, seed)) {
-    const Vec3 gap = to.surface.point(seed) - to.surface.point(*foot);
-    if (gap.norm() < 1.0) uv = *foot;
-  }
+  const Uv uv = skin_->across(use, t, a.S).uv;
   const SurfaceDerivatives b = to.surface.derivatives(uv);
   const Vec3 na = unit_normal(a), nb = unit_normal(b);
   if (na.isZero() || nb.isZero()) return Crossing::singular;

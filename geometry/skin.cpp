@@ -112,6 +112,31 @@ std::optional<EdgeUse> Skin::mate(const EdgeUse& use) const {
   return std::nullopt;
 }
 
+SurfacePoint Skin::across(const EdgeUse& use, double t, const Vec3& p) const {
+  constexpr double meet_mm = 1e-5;
+  const EdgeUse other = *mate(use);
+  const BSplineCurve2& pcurve = coedge(other).pcurve;
+  const Surface& surface = face(other.face).surface;
+  t = std::clamp(t, pcurve.first(), pcurve.last());
+  Uv uv = pcurve.point(t);
+  const auto foot = foot_point(surface, p, uv);
+  const auto meets = [&] { return foot && (surface.point(*foot) - surface.point(uv)).norm() < meet_mm; };
+  if (meets()) return {other.face, *foot};
+  // Both uses give the same point at the same parameter only to the edge's tolerance.
+  for (int i = 0; i < 10; ++i) {
+    const auto c = pcurve.derivatives(t);
+    const SurfaceDerivatives d = surface.derivatives(c.c);
+    const Vec3 along = uv_to_tangent(d, c.d1);
+    if (!(along.squaredNorm() > 0)) break;
+    const double next = std::clamp(t + (p - d.S).dot(along) / along.squaredNorm(), pcurve.first(), pcurve.last());
+    const bool settled = std::abs(next - t) * along.norm() < 1e-10;
+    t = next;
+    if (settled) break;
+  }
+  uv = pcurve.point(t);
+  return {other.face, meets() ? *foot : uv};
+}
+
 const Edge& Skin::edge(const EdgeUse& use) const { return part_->edges[static_cast<std::size_t>(coedge(use).edge)]; }
 
 const Coedge& Skin::coedge(const EdgeUse& use) const { return coedge_of(*part_, use); }

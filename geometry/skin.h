@@ -34,6 +34,10 @@ class Skin {
   std::optional<EdgeUse> mate(const EdgeUse& use) const;
   const Edge& edge(const EdgeUse& use) const;
   const Coedge& coedge(const EdgeUse& use) const;
+  /// Where a path that stands at `p` on an edge, at parameter `t` of this use, goes on: a point of the mate's
+  /// face. Where the faces meet it is p's foot; where they gap (up to the edge's tolerance) the point of the
+  /// mate's pcurve nearest to p, because the foot may lie outside of the mate's loops. Only where there is a mate.
+  SurfacePoint across(const EdgeUse& use, double t, const Vec3& p) const;
   /// True when the face lies on both sides of the edge.
   bool is_seam(const EdgeUse& use) const;
   /// True when the loop is an inner one (it runs clockwise in (u, v)).

@@ -34,10 +34,11 @@ class CurveBuilder {
       }
       if (node.t - last.t < 1e-9) return;
       if (!same_chart(skin_, last, node)) pass_over(last_ray_, ray, 0);
+      if (curve_.pieces.back().empty() || node.t - curve_.pieces.back().back().t > 1e-9) reach(ray, 0);
     } else {
       curve_.pieces.emplace_back();
+      push(node);
     }
-    push(node);
     last_ray_ = ray;
     last_source_ = source_;
   }
@@ -55,6 +56,35 @@ class CurveBuilder {
     return node;
   }
   void push(const CurveNode& node) { curve_.pieces.back().push_back(node); }
+
+  /// Whether the cubic between two nodes runs straight enough to be a curve between samples.
+  bool follows(const CurveNode& a, const CurveNode& b) const {
+    const double arc = arc_length(skin_, {a, b}, 0, 0, 1);
+    const double chord = (skin_.point(a.at) - skin_.point(b.at)).norm();
+    return arc <= chord + 0.03 * arc + 1e-5;
+  }
+
+  /// Goes on from the last node to `ray` on one chart. Where the parametrisation changes its speed within
+  /// a sample (towards a side that it nearly shrinks to a point) the cubic would loop: rays are added there.
+  void reach(const Ray& ray, int depth) {
+    const CurveNode node = node_of(ray);
+    if (depth < 30 && last_source_ == source_) {
+      const CurveNode last = curve_.pieces.back().back();
+      if (node.t - last.t > 1e-7 && same_chart(skin_, last, node) && !follows(last, node)) {
+        bool alive = false;
+        const Ray mid = front_.shoot(source_, 0.5 * (last.t + node.t) - offset_, level_, &alive);
+        if (alive) {
+          const CurveNode between = node_of(mid);
+          if (same_chart(skin_, last, between) && same_chart(skin_, between, node)) {
+            reach(mid, depth + 1);
+            reach(ray, depth + 1);
+            return;
+          }
+        }
+      }
+    }
+    push(node);
+  }
 
   /// From ray `a` (whose node is in place) to ray `b` over one or more passages.
   void pass_over(const Ray& from, const Ray& to, int depth) {
@@ -74,21 +104,42 @@ class CurveBuilder {
         b = mid;
       } else if (depth < 6) {  // a third chart lies between
         pass_over(a, mid, depth + 1);
-        push_if_later(nm);
+        reach_if_later(mid);
         pass_over(mid, b, depth + 1);
         return;
       } else {
         break;
       }
     }
-    push_if_later(node_of(a));
+    reach_if_later(a);
     if (same_chart(skin_, node_of(a), node_of(b))) return;
     join(node_of(a), node_of(b));
-    push_if_later(node_of(b));
+    reach_if_later(b);
   }
 
-  void push_if_later(const CurveNode& node) {
-    if (curve_.pieces.back().empty() || node.t - curve_.pieces.back().back().t > 1e-9) push(node);
+  void reach_if_later(const Ray& ray) {
+    if (node_of(ray).t - curve_.pieces.back().back().t > 1e-9) reach(ray, 0);
+  }
+
+  /// Where the curve leaves the face of `a` for that of `b`: along the tangent, or where a stands on the
+  /// edge (between faces that gap neighbouring rays never come closer than the gap) at the nearest place of it.
+  std::optional<LoopCrossing> way_out(const CurveNode& a, const CurveNode& b) const {
+    const TrimRegion& trim = skin_.trim(a.at.face);
+    const auto leads_to_b = [&](const LoopCrossing& hit) {
+      const auto mate = skin_.mate({a.at.face, hit.loop, hit.coedge});
+      return mate && mate->face == b.at.face;
+    };
+    const double gap = std::max(b.t - a.t, 1e-9);
+    auto hit = trim.first_crossing(UvCubic::line(a.at.uv, a.at.uv + 2 * gap * a.duv), true);
+    if (hit && leads_to_b(*hit)) return hit;
+    const FirstForm I = first_form(skin_.derivatives(a.at));
+    Eigen::Matrix2d metric;
+    metric << I.E, I.F, I.F, I.G;
+    hit = trim.nearest(a.at.uv, metric);
+    hit->x = 0;
+    const double off = (skin_.point({a.at.face, hit->uv}) - skin_.point(a.at)).norm();
+    if (off < 2 * bracket_mm && leads_to_b(*hit)) return hit;
+    return std::nullopt;
   }
 
   /// Ends the piece of `a` on the edge between a and b, and begins the piece of `b` there.
@@ -107,23 +158,11 @@ class CurveBuilder {
         return;
       }
     }
-    const UvCubic ahead = UvCubic::line(a.at.uv, a.at.uv + 2 * gap * a.duv);
-    const auto hit = skin_.trim(a.at.face).first_crossing(ahead, true);
-    bool solved = false;
-    if (hit) {
-      const EdgeUse use{a.at.face, hit->loop, hit->coedge};
-      const auto mate = skin_.mate(use);
-      if (mate && mate->face == b.at.face) {
-        out.at.uv = hit->uv;
-        out.t = a.t + std::min(2 * gap * hit->x, 0.999 * gap);
-        const Coedge& coedge = skin_.coedge(*mate);
-        const Uv seed = coedge.pcurve.point(std::clamp(hit->t, coedge.pcurve.first(), coedge.pcurve.last()));
-        const auto foot = foot_point(skin_.face(mate->face).surface, skin_.point(out.at), seed);
-        in.at.uv = foot ? *foot : seed;
-        solved = true;
-      }
-    }
-    if (!solved) {
+    if (const auto hit = way_out(a, b)) {
+      out.at.uv = hit->uv;
+      out.t = a.t + std::min(2 * gap * hit->x, 0.999 * gap);
+      in.at = skin_.across({a.at.face, hit->loop, hit->coedge}, hit->t, skin_.point(out.at));
+    } else {
       // A corner or a pole between: carry a's point over as it is.
       const auto foot = foot_point(skin_.face(b.at.face).surface, skin_.point(a.at), b.at.uv);
       if (foot) in.at.uv = *foot;

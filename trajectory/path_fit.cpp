@@ -63,15 +63,8 @@ std::vector<Passage> passages(const Skin& skin, const SteppedPoint& p, const Ste
     const EdgeUse use{at.face, hit->loop, hit->coedge};
     Passage passage;
     passage.out = {at.face, hit->uv};
-    const auto mate = skin.mate(use);
-    if (mate) {
-      const Coedge& in = skin.coedge(*mate);
-      const Uv guess = in.pcurve.point(std::clamp(hit->t, in.pcurve.first(), in.pcurve.last()));
-      const auto exact = foot_point(skin.face(mate->face).surface, surface.point(hit->uv), guess);
-      passage.in = {mate->face, exact ? *exact : guess};
-    } else {
-      return out;
-    }
+    if (!skin.mate(use)) return out;
+    passage.in = skin.across(use, hit->t, surface.point(hit->uv));
     const Vec3 n = skin.normal(passage.in);
     passage.normal_sign = n.dot(carried) >= 0 ? 1 : -1;
     if (!n.isZero()) carried = passage.normal_sign * n;
