@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "geometry/geodesic.h"
 #include "geometry/skin.h"
 #include "io/step/interpolate.h"
 #include "io/step/join_edges.h"
@@ -152,6 +154,23 @@ TEST(JoinEdges, NeighboursWithinTheToleranceOnly) {
       EXPECT_EQ(model.part.edges.size(), 7u);
     }
   }
+}
+
+/// The foot on the mate's surface lies in the gap, outside of its loops; the path goes on at the mate's edge.
+TEST(JoinEdges, AGeodesicGoesOnAtTheEdgeOfAFaceThatGaps) {
+  const double gap = 5e-3;
+  StepModel model = loose({sheet({0, 0, 0}, Vec3::UnitX(), Vec3::UnitY(), 1000, 500),
+                           sheet({0, 500 + gap, 0}, Vec3::UnitX(), Vec3::UnitY(), 1000, 300)});
+  join_edges(model, {-1, -1}, -1);
+  ASSERT_EQ(model.sewn_edges, 1);
+  const Skin skin(std::make_shared<const Part>(model.part), {0, 1});
+  const GeodesicTracer tracer(skin, {});
+  GeodesicState g = tracer.start({0, Uv(100, 400)}, Vec3(0.6, 0.8, 0));
+  // 125 mm to the edge at (175, 500); the gap has no length along the path.
+  ASSERT_EQ(tracer.advance(g, 225), TraceEnd::reached);
+  EXPECT_EQ(g.at.face, 1);
+  EXPECT_LT((g.at.uv - Uv(235, 80)).norm(), 1e-9);
+  EXPECT_FALSE(g.outside);
 }
 
 TEST(JoinEdges, OtherSolidsStayApart) {
