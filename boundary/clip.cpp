@@ -10,6 +10,7 @@ namespace {
 
 using Piece = std::vector<CurveNode>;
 
+constexpr double on_edge_mm = 1e-6;    // how well samples at edges stand on them (design: ends within 1e-6 mm)
 constexpr double least_gap_mm = 1e-4;  // wider gaps between faces that share an edge get a sample on either side
 
 CurveNode node_at(const Piece& piece, std::size_t i, double x, const Uv& uv) {
@@ -170,6 +171,26 @@ CourseSegment sample_segment(const Skin& skin, const SurfaceCurve& curve, const 
   return out;
 }
 
+namespace {
+
+/// Where a course that left another chart at `before`, on its edge, enters the face of `sample`.
+Uv entry(const Skin& skin, const CourseSample& before, const CourseSample& sample, const Uv& seed) {
+  const Surface& surface = skin.face(sample.at.face).surface;
+  if (before.at.face == sample.at.face && on_crease(surface, before.at.uv)) return before.at.uv;
+  if (before.at.face != sample.at.face) {
+    const LoopCrossing edge =
+        skin.trim(before.at.face).nearest(before.at.uv, first_form(skin.derivatives(before.at)).matrix());
+    const EdgeUse use{before.at.face, edge.loop, edge.coedge};
+    const double off = (skin.point({before.at.face, edge.uv}) - before.position).norm();
+    const auto mate = skin.mate(use);
+    if (off < on_edge_mm && mate && mate->face == sample.at.face) return skin.across(use, edge.t, before.position).uv;
+  }
+  const auto foot = foot_point(surface, before.position, seed);  // a seam, a corner or a pole
+  return foot ? *foot : seed;
+}
+
+}  // namespace
+
 SurfaceCurve curve_of(const Skin& skin, const CourseSegment& segment) {
   SurfaceCurve out;
   out.closed = segment.closed;
@@ -202,14 +223,12 @@ SurfaceCurve curve_of(const Skin& skin, const CourseSegment& segment) {
     if (!joined) {
       // The sample before stands on the edge: find it on this face (or side of the seam or crease).
       const Uv seed = sample.at.uv - (node.t - last.t) * node.duv;
-      const bool same_place = before.at.face == sample.at.face && on_crease(surface, before.at.uv);
-      const auto foot = same_place ? std::optional<Uv>(before.at.uv) : foot_point(surface, before.position, seed);
-      const Uv uv = foot ? *foot : seed;
+      const Uv uv = entry(skin, before, sample, seed);
       out.pieces.emplace_back();
-      // Over a gap this sample itself stands on the edge: its piece begins with it.
-      const bool gap = before.at.face != sample.at.face &&
-                       (skin.point({sample.at.face, uv}) - sample.position).norm() < 0.5 * (node.t - last.t);
-      if (!gap) out.pieces.back().push_back(node_of(before, {sample.at.face, uv}, sample.at.uv - uv));
+      // Over a gap this sample itself stands there: its piece begins with it.
+      const bool over_gap = before.at.face != sample.at.face &&
+                            (skin.point({sample.at.face, uv}) - sample.position).norm() < on_edge_mm;
+      if (!over_gap) out.pieces.back().push_back(node_of(before, {sample.at.face, uv}, sample.at.uv - uv));
     }
     out.pieces.back().push_back(node);
   }

@@ -263,6 +263,49 @@ TEST(Clip, SamplesWhatItKept) {
   EXPECT_NEAR(length_of(skin, {again}), segment.length_mm(), 1e-9);
 }
 
+/// Two faces of the plane z = 0 that share an edge along y = 500, where the second begins `gap` beyond the first.
+Skin plates_with_gap(double gap) {
+  Part part = make_rectangular_part(Surface::plane({}), {0, 1000}, {0, 500});
+  RectangularFace second =
+      make_rectangular_face(Surface::plane({}), {0, 1000}, {500 + gap, 800}, static_cast<int>(part.edges.size()));
+  part.edges.insert(part.edges.end(), second.edges.begin(), second.edges.end());
+  const int top = 2, bottom = 0;  // sides in the order of the loop
+  second.face.loops[0].coedges[bottom].edge = part.faces[0].loops[0].coedges[top].edge;
+  part.faces.push_back(std::move(second.face));
+  return Skin(std::make_shared<const Part>(part), {0, 1});
+}
+
+// Over a gap the course is one segment with a sample on either side, none in the gap, and the way over it in s;
+// without one there is one sample on the edge. What is read back from the samples is the same curve.
+TEST(Clip, GoesOnOverFacesThatGap) {
+  for (const double gap : {0.0, 5e-3, 0.05}) {
+    const Skin skin = plates_with_gap(gap);
+    const double x = 175, length = 100;
+    SurfaceCurve curve = straight(Uv(x, 500 - length), Uv(x, 500));
+    const SurfaceCurve beyond = straight(Uv(x, 500 + gap), Uv(x, 500 + gap + length));
+    curve.pieces.push_back(beyond.pieces[0]);
+    for (CurveNode& node : curve.pieces[1]) {
+      node.t += length;
+      node.at.face = 1;
+    }
+    const auto clipped = clip_to_skin(skin, curve);
+    ASSERT_EQ(clipped.size(), 1u) << gap;
+    const DirectionField field({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)}}, 1e4);
+    const CourseSegment segment = sample_segment(skin, clipped[0], field);
+    EXPECT_EQ(segment.samples.size(), gap > 0 ? 16u : 15u);
+    EXPECT_NEAR(segment.length_mm(), 2 * length + gap, 1e-9);
+    for (const CourseSample& s : segment.samples) {
+      EXPECT_NEAR(s.s_mm, s.position.y() - (500 - length), 1e-9);
+      EXPECT_TRUE(s.position.y() <= 500 + 1e-9 || s.position.y() >= 500 + gap - 1e-9) << s.position.y();
+    }
+    const SurfaceCurve again = curve_of(skin, segment);
+    ASSERT_EQ(again.pieces.size(), 2u) << gap;
+    EXPECT_NEAR(again.pieces[0].back().at.uv.y(), 500, 1e-9);
+    EXPECT_NEAR(again.pieces[1].front().at.uv.y(), 500 + gap, 1e-9);
+    EXPECT_NEAR(length_of(skin, {again}), 2 * length, 1e-9);
+  }
+}
+
 // An axis has no sense: angles fold into (-90, 90] degrees.
 TEST(Clip, FoldsTheDeviationOfAnAxis) {
   const Vec3 z = Vec3::UnitZ(), asked = Vec3::UnitX();
