@@ -1,0 +1,143 @@
+// Plans on parts drawn at random, judged: what holds on the samples must hold on parts nobody has seen.
+//
+// AFPTRAJ_RANDOM_PLANS=first:count plans that many, from that seed on, instead of the quick subset.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "analysis/judge_ply.h"
+#include "boundary/plan_ply.h"
+#include "tests/specimens.h"
+
+namespace afptraj {
+namespace {
+
+class Draw {
+ public:
+  explicit Draw(unsigned seed) : engine_(seed) {}
+  // Not std::uniform_real_distribution, whose numbers differ between libraries.
+  double number(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(engine_()) / 4294967295.0; }
+  int whole(int lo, int hi) { return lo + static_cast<int>(engine_() % static_cast<unsigned>(hi - lo + 1)); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+struct Drawn {
+  std::string name;
+  Skin skin;
+};
+
+/// Sums of a few waves; the shortest is longer than four poles' spacing.
+Drawn drawn_panel(Draw& draw) {
+  const double width = draw.number(400, 1600), depth = width * draw.number(0.3, 1);
+  const int waves = draw.whole(1, 4), nu = draw.whole(6, 24), nv = draw.whole(6, 24);
+  std::vector<std::array<double, 4>> wave;
+  for (int i = 0; i < waves; ++i) {
+    const double length = draw.number(0.4, 2) * width, way = draw.number(0, pi);
+    const double height = draw.number(0.005, 0.04) * length;
+    wave.push_back({height, 2 * pi / length * std::cos(way), 2 * pi / length * std::sin(way), draw.number(0, 2 * pi)});
+  }
+  const auto z = [&](double x, double y) {
+    double sum = 0;
+    for (const auto& w : wave) sum += w[0] * std::sin(w[1] * x + w[2] * y + w[3]);
+    return sum;
+  };
+  const Interval u{draw.number(0, 0.1), draw.number(0.9, 1)}, v{draw.number(0, 0.1), draw.number(0.9, 1)};
+  return {"panel", make_skin(height_field(width, depth, nu, nv, z), u, v)};
+}
+
+Drawn drawn_sphere(Draw& draw) {
+  const double radius = draw.number(300, 1500), u = draw.number(0.3, 1.2), v = draw.number(-0.9, 0);
+  return {"sphere", make_skin(Surface::sphere({}, radius), {-u, u}, {v, v + draw.number(0.4, 1)})};
+}
+
+Drawn drawn_torus(Draw& draw) {
+  const double major = draw.number(600, 1500), minor = draw.number(0.15, 0.6) * major;
+  const double u = draw.number(0.2, 0.8), v = draw.number(-pi, pi);
+  return {"torus", make_skin(Surface::torus({}, major, minor), {-u, u}, {v, v + draw.number(0.6, 2.4)})};
+}
+
+Drawn drawn_cone(Draw& draw) {
+  const double radius = draw.number(150, 600), angle = draw.number(0.05, 0.7), u = draw.number(-3, 0);
+  const double least = -0.8 * radius / std::sin(angle);
+  const double v0 = std::max(least, -draw.number(0, 500));
+  return {"cone", make_skin(Surface::cone({}, radius, angle), {u, u + draw.number(1, 4)},
+                            {v0, v0 + draw.number(400, 1500)})};
+}
+
+Drawn drawn_cylinder(Draw& draw) {
+  const double u = draw.number(-3, 0);
+  return {"cylinder", make_skin(Surface::cylinder({}, draw.number(150, 600)), {u, u + draw.number(1, 5)},
+                                {0, draw.number(300, 1500)})};
+}
+
+Drawn drawn_part(unsigned seed, Draw& draw) {
+  switch (seed % 8) {
+    case 0: return drawn_sphere(draw);
+    case 1: return drawn_torus(draw);
+    case 2: return drawn_cone(draw);
+    case 3: return drawn_cylinder(draw);
+    default: return drawn_panel(draw);
+  }
+}
+
+/// Points all over the face, with directions that swing by a few degrees about one angle to u.
+PlyOrientation drawn_ply(const Skin& skin, Draw& draw) {
+  PlyOrientation ply{"P", {}, 0};
+  const Uv lo = skin.trim(0).box_min(), hi = skin.trim(0).box_max();
+  const double angle = draw.number(0, pi), swing = draw.number(0, 4) * pi / 180;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 4; ++j) {
+      const SurfacePoint at{0, lo + (hi - lo).cwiseProduct(Uv(0.05 + 0.9 * i / 5, 0.05 + 0.9 * j / 3))};
+      const SurfaceDerivatives d = skin.derivatives(at);
+      const double a = angle + swing * std::sin(1.1 * i + 0.7 * j);
+      const Vec3 e1 = d.Su.normalized(), e2 = skin.normal(at).cross(e1);
+      ply.points.push_back({d.S, std::cos(a) * e1 + std::sin(a) * e2, 0});
+    }
+  ply.start = static_cast<std::size_t>(draw.whole(0, 23));
+  return ply;
+}
+
+class RandomPlans : public testing::TestWithParam<unsigned> {};
+
+TEST_P(RandomPlans, HoldTheirLaws) {
+  Draw draw(GetParam());
+  const Drawn drawn = drawn_part(GetParam(), draw);
+  PlanOptions options;
+  options.tows = draw.whole(4, 16);
+  options.range_mm = drawn.skin.diagonal() / 3;
+  options.sample_mm = std::min(4.0, options.band_width_mm() / 12);
+  Ply ply = plan_ply(drawn.skin, drawn_ply(drawn.skin, draw), options);
+  JudgeOptions judge;
+  judge.band_width_mm = options.band_width_mm();
+  judge_ply(drawn.skin, judge, ply);
+  const PlyReport& r = ply.report;
+  double named = 0;
+  for (const UncoveredSpot& spot : r.uncovered) {
+    named += spot.area_mm2;
+    EXPECT_FALSE(spot.reason.empty());
+  }
+  std::printf("%u %s W %.1f: %zu courses, E %.2e at (%.2f,%.2f,%.2f) course %d, unresolved %zu of %zu, crossings %zu, loose %zu, covered %.4f, reached %.4f\n", GetParam(),
+              drawn.name.c_str(), r.band_width_mm, ply.courses.size(), r.spacing_error_mm, r.spacing.where.x(),r.spacing.where.y(),r.spacing.where.z(), r.spacing.worst_course, r.spacing.unresolved, r.spacing.measured,
+              r.crossings.size(), r.loose_ends.size(), r.covered_share, r.reached_share);
+  EXPECT_LT(r.spacing_error_mm, 1e-3);
+  EXPECT_EQ(r.spacing.unresolved, 0u);
+  EXPECT_TRUE(r.crossings.empty());
+  EXPECT_TRUE(r.loose_ends.empty());
+  for (const LooseEnd& e : r.loose_ends) std::printf("  loose %d at (%.3f,%.3f,%.3f)\n", e.course, e.where.x(), e.where.y(), e.where.z());
+  EXPECT_GE(r.covered_share + named / r.skin_area_mm2, 0.999);
+}
+
+std::vector<unsigned> seeds() {
+  unsigned first = 1, count = 16;
+  if (const char* text = std::getenv("AFPTRAJ_RANDOM_PLANS")) std::sscanf(text, "%u:%u", &first, &count);
+  std::vector<unsigned> out;
+  for (unsigned i = 0; i < count; ++i) out.push_back(first + i);
+  return out;
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomPlans, testing::ValuesIn(seeds()));
+
+}  // namespace
+}  // namespace afptraj
