@@ -117,10 +117,11 @@ ParallelOptions parallel_options(const Skin& skin, const PlanOptions& options) {
   out.geodesic.tolerance_mm = 1e-10;
   out.geodesic.outside_limit_mm = skin.diagonal();
   // Beside other faces the continuation of one face soon parts from that of the next. A face alone
-  // goes on: extensions by half a band, rays from there far enough to come back.
+  // goes on: extensions by half a band, rays from there far enough to come back. Rays walk by whole bands, so
+  // that the limit is none: rounding would decide which of them end.
   const bool alone = skin.faces().size() == 1;
   out.front.extension_margin_mm = std::max(alone ? W / 2 : 0.0, 2 * out.front.sample_mm);
-  out.geodesic.margin_mm = alone ? 2 * W : out.front.extension_margin_mm;
+  out.geodesic.margin_mm = alone ? 2.5 * W : out.front.extension_margin_mm;
   out.max_levels = options.max_courses;
   return out;
 }

@@ -399,6 +399,14 @@ GeodesicTracer::Crossing GeodesicTracer::cross_loops(GeodesicState& state, const
 
 bool GeodesicTracer::may_stay_outside(const GeodesicState& state, const Span& span) const {
   const Surface& surface = skin_->face(state.at.face).surface;
+  // Farther round a part that is open there the continuation would come upon the other rim.
+  const TrimRegion& trim = skin_->trim(state.at.face);
+  const double period[2] = {surface.period_u(), surface.period_v()};
+  for (int k = 0; k < 2; ++k) {
+    const double missing = period[k] - (trim.box_max()[k] - trim.box_min()[k]);
+    const double past = std::max(trim.box_min()[k] - state.at.uv[k], state.at.uv[k] - trim.box_max()[k]);
+    if (missing > 1e-9 * period[k] && past > 0.5 * missing) return false;
+  }
   const bool continued = span.iu < 0 || span.iv < 0 ||
                          span.iu >= static_cast<int>(std::max<std::size_t>(surface.breaks_u().size(), 2)) - 1 ||
                          span.iv >= static_cast<int>(std::max<std::size_t>(surface.breaks_v().size(), 2)) - 1;

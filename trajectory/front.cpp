@@ -313,7 +313,8 @@ void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current,
   std::vector<std::vector<GeodesicState>> made;
   for (std::size_t i = 0; i < count; ++i)
     for (int e = 0; e < 2; ++e) {
-      if (strands_[i].end[e] != StrandEnd::open) continue;
+      // What stopped a front at the level before may lie behind it now.
+      if (strands_[i].end[e] != StrandEnd::open && strands_[i].end[e] != StrandEnd::stopped) continue;
       const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
       if (end.state.outside) continue;
       bool stopped = false;

@@ -51,8 +51,11 @@ class Trimmer {
       fronts_[f]->strands() = std::move(kept);
     }
     open_lone_corners();
-    for (Front* front : fronts_)
-      if (front) front->settle_links();
+    for (Front* front : fronts_) {
+      if (!front) continue;
+      front->settle_links();
+      drop_severed_extensions(*front);
+    }
   }
 
  private:
@@ -299,6 +302,13 @@ class Trimmer {
       (alive && good(front, mid, strand) ? in : out) = mid;
     }
     return in;
+  }
+
+  /// An extension leads on from an end: where that end has been cut off, it leads from nowhere.
+  static void drop_severed_extensions(Front& front) {
+    std::erase_if(front.strands(), [](const Strand& strand) {
+      return strand.fresh_end >= 0 && strand.end[strand.fresh_end] != StrandEnd::linked;
+    });
   }
 
   /// A meeting of which only one branch is left is none.
