@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace afptraj {
 namespace {
@@ -106,6 +107,46 @@ std::optional<PointWay> way_from_point(const GeodesicTracer& tracer, const Curve
     if (d > 3 * distance_mm) return std::nullopt;
   }
   return std::nullopt;
+}
+
+Way way_by_search(const GeodesicTracer& tracer, const CourseLine& line, double t, double reach, const Vec3& p,
+                  double distance_mm) {
+  const double first = line.t.front(), last = line.t.back(), turn = last - first;
+  const auto foot_at = [&](double at) {
+    return frame_at(tracer.skin(), line.curve, line.closed() ? at - turn * std::floor((at - first) / turn) : at);
+  };
+  const auto distance = [&](double at) {
+    const auto way = way_from_point(tracer, foot_at(at), p, distance_mm);
+    return way ? way->distance_mm : std::numeric_limits<double>::infinity();
+  };
+  const double lo = line.closed() ? t - reach : std::max(first, t - reach);
+  const double hi = line.closed() ? t + reach : std::min(last, t + reach);
+  // Golden section. The distance is flat at its least: an error of t counts by its square.
+  constexpr double golden = 0.6180339887498949;
+  double a = lo, b = hi, x = b - golden * (b - a), y = a + golden * (b - a);
+  double at_x = distance(x), at_y = distance(y);
+  while (b - a > 1e-4 * (hi - lo)) {
+    if (at_x <= at_y) {
+      b = y;
+      y = x;
+      at_y = at_x;
+      x = b - golden * (b - a);
+      at_x = distance(x);
+    } else {
+      a = x;
+      x = y;
+      at_x = at_y;
+      y = a + golden * (b - a);
+      at_y = distance(y);
+    }
+  }
+  Way out;
+  out.t = at_x <= at_y ? x : y;
+  out.distance_mm = std::min(at_x, at_y);
+  const CurveFrame foot = foot_at(out.t);
+  out.side = (p - foot.frame.position).dot(foot.frame.left()) >= 0 ? 1 : -1;
+  if (std::isfinite(out.distance_mm) && a > lo && b < hi) out.end = Way::End::foot;
+  return out;
 }
 
 bool leaves_skin(const GeodesicTracer& tracer, const CourseLine& line, const Way& way) {

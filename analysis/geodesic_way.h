@@ -41,6 +41,11 @@ struct PointWay {
 std::optional<PointWay> way_from_point(const GeodesicTracer& tracer, const CurveFrame& from, const Vec3& p,
                                        double distance_mm);
 
+/// The same way by a search for the least distance over t in [t - reach, t + reach]: slow, but it does not mind a
+/// focal point of the line's normals, where Newton-Raphson is led astray. Failed where the least lies at a limit.
+Way way_by_search(const GeodesicTracer& tracer, const CourseLine& line, double t, double reach, const Vec3& p,
+                  double distance_mm);
+
 /// Whether a way passes over places without material.
 bool leaves_skin(const GeodesicTracer& tracer, const CourseLine& line, const Way& way);
 

@@ -136,6 +136,11 @@ class SpacingJudge {
       if (best.end == Way::End::failed)
         for (const double shift : {-0.5, 0.5}) attempt({t + shift * W_, W_, side});
       if (best.end == Way::End::failed) attempt({t, W_, -side});
+      const double arc = arc_of(hit.distance_mm, cosine);
+      if (best.end == Way::End::failed || best.distance_mm > arc + 0.01 * W_) {
+        const Way way = way_by_search(tracer_, from, t, 0.25 * W_, p, arc);
+        if (way.end == Way::End::foot && (best.end != Way::End::foot || way.distance_mm < best.distance_mm)) best = way;
+      }
     } else {
       // The way leads round an edge; its chord says nothing.
       for (const double side : {1.0, -1.0}) attempt({t, W_, side});

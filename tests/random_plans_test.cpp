@@ -3,6 +3,7 @@
 // AFPTRAJ_RANDOM_PLANS=first:count plans that many, from that seed on, instead of the quick subset.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <string>
 
@@ -29,23 +30,79 @@ struct Drawn {
   Skin skin;
 };
 
-/// Sums of a few waves; the shortest is longer than four poles' spacing.
-Drawn drawn_panel(Draw& draw) {
+/// Sums of a few waves, as high as a share of their length.
+Surface drawn_waves(Draw& draw, double lowest, double highest) {
   const double width = draw.number(400, 1600), depth = width * draw.number(0.3, 1);
   const int waves = draw.whole(1, 4), nu = draw.whole(6, 24), nv = draw.whole(6, 24);
   std::vector<std::array<double, 4>> wave;
   for (int i = 0; i < waves; ++i) {
     const double length = draw.number(0.4, 2) * width, way = draw.number(0, pi);
-    const double height = draw.number(0.005, 0.04) * length;
+    const double height = draw.number(lowest, highest) * length;
     wave.push_back({height, 2 * pi / length * std::cos(way), 2 * pi / length * std::sin(way), draw.number(0, 2 * pi)});
   }
-  const auto z = [&](double x, double y) {
+  return height_field(width, depth, nu, nv, [&](double x, double y) {
     double sum = 0;
     for (const auto& w : wave) sum += w[0] * std::sin(w[1] * x + w[2] * y + w[3]);
     return sum;
-  };
+  });
+}
+
+Drawn drawn_panel(Draw& draw, double lowest = 0.005, double highest = 0.04) {
+  const Surface surface = drawn_waves(draw, lowest, highest);
   const Interval u{draw.number(0, 0.1), draw.number(0.9, 1)}, v{draw.number(0, 0.1), draw.number(0.9, 1)};
-  return {"panel", make_skin(height_field(width, depth, nu, nv, z), u, v)};
+  return {"panel", make_skin(surface, u, v)};
+}
+
+/// A closed curve in (u, v), clockwise: the material lies outside.
+BSplineCurve2 hole_curve(const Uv& centre, const Uv& radii) {
+  BSplineCurve2 c;  // periodic, of twelve poles
+  c.degree = 3;
+  constexpr int n = 12;
+  for (int i = 0; i < n + 7; ++i) c.knots.push_back(i - 3);
+  for (int i = 0; i < n + 3; ++i) {
+    const double a = -2 * pi * i / n;
+    c.poles.push_back(centre + radii.cwiseProduct(Uv(std::cos(a), std::sin(a))));
+  }
+  return c;
+}
+
+Drawn drawn_panel_with_holes(Draw& draw) {
+  Part part = make_rectangular_part(drawn_waves(draw, 0.005, 0.04), {0.05, 0.95}, {0.05, 0.95});
+  const int holes = draw.whole(1, 2);
+  for (int i = 0; i < holes; ++i) {
+    const Uv centre(draw.number(0.2, 0.35) + 0.42 * i, draw.number(0.25, 0.75));
+    const int edge = static_cast<int>(part.edges.size());
+    const Uv radii(draw.number(0.02, 0.13), draw.number(0.02, 0.18));
+    part.edges.push_back({});
+    part.faces[0].loops.push_back({{{hole_curve(centre, radii), false, edge}}});
+  }
+  return {"holes", Skin(std::make_shared<const Part>(part), {0})};
+}
+
+/// Closed round an axis, some with a pole.
+Drawn drawn_closed(Draw& draw) {
+  const double r = draw.number(150, 500), z = draw.number(300, 1500);
+  switch (draw.whole(0, 2)) {
+    case 0: return {"tube", make_skin(Surface::cylinder({}, r), {0, 2 * pi}, {0, z})};
+    case 1: {
+      const double angle = draw.number(0.05, 0.6);
+      return {"frustum", make_skin(Surface::cone({}, r, angle), {0, 2 * pi}, {-0.4 * r / std::sin(angle), z})};
+    }
+    default: return {"dome", make_skin(Surface::sphere({}, 2 * r), {0, 2 * pi}, {draw.number(-0.2, 0.8), pi / 2})};
+  }
+}
+
+/// One surface cut in two faces.
+Drawn drawn_two_faces(Draw& draw) {
+  const Surface surface = drawn_waves(draw, 0.005, 0.04);
+  const double cut = draw.number(0.3, 0.7);
+  Part part = make_rectangular_part(surface, {0, cut}, {0, 1});
+  RectangularFace second = make_rectangular_face(surface, {cut, 1}, {0, 1}, static_cast<int>(part.edges.size()));
+  part.edges.insert(part.edges.end(), second.edges.begin(), second.edges.end());
+  const int right = 1, left = 3;  // sides in the order of the loop
+  second.face.loops[0].coedges[left].edge = part.faces[0].loops[0].coedges[right].edge;
+  part.faces.push_back(std::move(second.face));
+  return {"two faces", Skin(std::make_shared<const Part>(part), {0, 1})};
 }
 
 Drawn drawn_sphere(Draw& draw) {
@@ -74,6 +131,13 @@ Drawn drawn_cylinder(Draw& draw) {
 }
 
 Drawn drawn_part(unsigned seed, Draw& draw) {
+  switch (seed / 1000) {
+    case 1: return drawn_panel(draw, 0.03, 0.08);
+    case 2: return drawn_panel_with_holes(draw);
+    case 3: return drawn_closed(draw);
+    case 4: return drawn_two_faces(draw);
+    default: break;
+  }
   switch (seed % 8) {
     case 0: return drawn_sphere(draw);
     case 1: return drawn_torus(draw);
@@ -91,12 +155,13 @@ PlyOrientation drawn_ply(const Skin& skin, Draw& draw) {
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 4; ++j) {
       const SurfacePoint at{0, lo + (hi - lo).cwiseProduct(Uv(0.05 + 0.9 * i / 5, 0.05 + 0.9 * j / 3))};
+      if (!skin.trim(0).contains(at.uv)) continue;  // in a hole
       const SurfaceDerivatives d = skin.derivatives(at);
       const double a = angle + swing * std::sin(1.1 * i + 0.7 * j);
       const Vec3 e1 = d.Su.normalized(), e2 = skin.normal(at).cross(e1);
       ply.points.push_back({d.S, std::cos(a) * e1 + std::sin(a) * e2, 0});
     }
-  ply.start = static_cast<std::size_t>(draw.whole(0, 23));
+  ply.start = static_cast<std::size_t>(draw.whole(0, 23)) % ply.points.size();
   return ply;
 }
 

@@ -127,7 +127,6 @@ SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const Fairin
       GeodesicState g = tracer.start(p.at, std::copysign(1.0, w[i]) * n.cross(p.direction), p.normal_sign, 1, 0, outside);
       g.in_hole = outside;
       if (tracer.advance(g, std::abs(w[i])) != TraceEnd::reached) continue;
-      if (g.outside && !g.in_hole) continue;  // stays on the skin, as the stepped path does
       p.at = g.at;
       p.normal_sign = g.normal_sign;
       p.position = skin.point(g.at);

@@ -316,7 +316,8 @@ void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current,
       // What stopped a front at the level before may lie behind it now.
       if (strands_[i].end[e] != StrandEnd::open && strands_[i].end[e] != StrandEnd::stopped) continue;
       const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
-      if (end.state.outside) continue;
+      // The reference ends on the boundary, give or take what it was faired by.
+      if (end.state.outside && level > 0) continue;
       bool stopped = false;
       const std::vector<GeodesicState> states = extension(end, e == 0, level, laid, current, made, &stopped);
       if (states.size() < 2) continue;
@@ -351,7 +352,9 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
   const PathFrame frame = frame_of(skin(), end.state);
   const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
   GeodesicState g =
-      extension_tracer_.start(end.state.at, backward ? Vec3(-level_tangent) : level_tangent, end.state.normal_sign);
+      extension_tracer_.start(end.state.at, backward ? Vec3(-level_tangent) : level_tangent, end.state.normal_sign, 1, 0,
+                              end.state.outside);
+  g.in_hole = end.state.in_hole;
   std::vector<GeodesicState> states = {g};
   const double step = std::min(options_.extension_step_mm, options_.sample_mm);
   int too_near_steps = 0;

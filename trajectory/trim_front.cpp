@@ -14,11 +14,14 @@ namespace {
 constexpr double least_y = 0.01;           // a stretch ends this short of a focal point
 constexpr double end_tolerance_mm = 1e-7;  // how closely an end between probes is located
 
+constexpr int no_meeting = -1;  // of an end that is the strand's own
+constexpr int lone_cut = -2;    // of a cut that no other branch ends at
+
 /// Where a strand is cut, and which of the two branches goes on.
 struct Cut {
   Ray ray;
   bool before = false, after = false;  ///< whether the branch on that side may be kept
-  int meeting = -1;                    ///< number of the meeting; -1 at a cusp or within what was swept
+  int meeting = lone_cut;              ///< number of the meeting; none at a cusp or within what was swept
 };
 
 struct Stretch {
@@ -270,13 +273,13 @@ class Trimmer {
         const bool whole = e == 0 ? i == 0 : j + 1 == valid.size();
         if (whole && !stretch.cut[e]) continue;  // the strand's own end
         run.link[e] = -1;
-        run.meeting[e] = -1;
         if (whole) {
-          run.end[e] = stretch.cut[e]->meeting >= 0 ? StrandEnd::corner : StrandEnd::open;
+          run.end[e] = StrandEnd::corner;
           run.meeting[e] = stretch.cut[e]->meeting;
           continue;
         }
         run.end[e] = StrandEnd::stopped;
+        run.meeting[e] = lone_cut;
         const Ray last = e == 0 ? stretch.rays[i] : stretch.rays[j];
         const Ray end = last_good(front, strand, last, e == 0 ? stretch.rays[i - 1] : stretch.rays[j + 1]);
         if (e == 0 && end.t < run.rays.front().t) run.rays.insert(run.rays.begin(), end);
@@ -311,7 +314,9 @@ class Trimmer {
     });
   }
 
-  /// A meeting of which only one branch is left is none.
+  /// A meeting of which only one branch is left is none. Where three fronts meet nearly in one point, a sliver of
+  /// the middle one may be kept though the outer two meet: what is swept by less than the validity tolerance
+  /// counts as clear. No other branch ends where it does.
   void open_lone_corners() const {
     std::vector<int> count;
     const auto each = [&](auto body) {
@@ -319,16 +324,28 @@ class Trimmer {
         if (front)
           for (Strand& strand : front->strands())
             for (int e = 0; e < 2; ++e)
-              if (strand.end[e] == StrandEnd::corner && strand.meeting[e] >= 0) body(strand, e);
+              if (strand.meeting[e] != no_meeting) body(strand, e);
     };
     each([&](Strand& strand, int e) {
+      if (strand.meeting[e] == lone_cut) return;
       const auto m = static_cast<std::size_t>(strand.meeting[e]);
       if (count.size() <= m) count.resize(m + 1, 0);
       ++count[m];
     });
+    const auto lone = [&](const Strand& strand, int e) {
+      return strand.meeting[e] == lone_cut ||
+             (strand.meeting[e] != no_meeting && count[static_cast<std::size_t>(strand.meeting[e])] < 2);
+    };
+    for (Front* front : fronts_)
+      if (front)
+        std::erase_if(front->strands(), [&](const Strand& strand) {
+          const double chord =
+              (front->skin().point(strand.rays.front().state.at) - front->skin().point(strand.rays.back().state.at)).norm();
+          return lone(strand, 0) && lone(strand, 1) && chord < front->options().sample_mm;
+        });
     each([&](Strand& strand, int e) {
-      if (count[static_cast<std::size_t>(strand.meeting[e])] < 2) strand.end[e] = StrandEnd::open;
-      strand.meeting[e] = -1;  // numbers hold for this call only
+      if (strand.end[e] == StrandEnd::corner && lone(strand, e)) strand.end[e] = StrandEnd::open;
+      strand.meeting[e] = no_meeting;  // numbers hold for this call only
     });
   }
 
