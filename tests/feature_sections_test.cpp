@@ -88,6 +88,18 @@ TEST(FeatureSections, MeasureGeneratorsOfACylinder) {
   EXPECT_EQ(sections.N2, 6);   // 5.41
 }
 
+// Round a whole tube both sides meet opposite of the path: they share the section, and the bands of both make up the
+// tube.
+TEST(FeatureSections, ShareAWholeTube) {
+  const double R = 100;
+  const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, 1000});
+  const FeatureSections sections = feature_sections(skin, uv_line(skin, Uv(0.9, 10), Uv(0.9, 990)), W, W);
+  EXPECT_NEAR(sections.L1_mm, pi * R, length_tolerance);
+  EXPECT_NEAR(sections.L2_mm, pi * R, length_tolerance);
+  EXPECT_EQ(sections.N1 + sections.N2 + 1, 13);  // 628.3 / 50.8 = 12.4
+  expect_bands(sections);
+}
+
 // On a helix the planes cut ellipses: at 45 degrees the axes R and R sqrt 2. The unrolled section is the sine
 // z = R sin(phi) times the slope: from the middle of a half cylinder its length is known.
 TEST(FeatureSections, MeasureEllipsesOfACylinder) {
