@@ -138,10 +138,11 @@ class Walker {
       ++out.steps;
       if (doubled) ++out.doubled;
       s += moved;
+      longest_step_ = std::max(longest_step_, moved);
       // Carry the direction by the chord: it keeps the sense of the walk.
       direction = (position - d.S).normalized();
-      SteppedPoint point{next->at, position, direction, next->normal_sign, s};
-      if (const auto met = alongside(out, point)) {
+      const SteppedPoint point{next->at, position, direction, next->normal_sign, s};
+      if (const auto met = alongside(point)) {
         if (*met == WalkEnd::closed) out.points.push_back(point);
         return ended(out, *met);
       }
@@ -183,29 +184,35 @@ class Walker {
     grid_.add(p.position, own_.size() - 1);
   }
   void earlier_grid_fill() {
-    for (const SteppedPoint& p : earlier_) remember(p);
+    for (std::size_t i = 0; i < earlier_.size(); ++i) {
+      remember(earlier_[i]);
+      if (i > 0) longest_step_ = std::max(longest_step_, earlier_[i].s_mm - earlier_[i - 1].s_mm);
+    }
     own_start_ = own_.size();
   }
   /// Whether the path has come back alongside an older stretch of itself, within W and not just
   /// end-on; or exactly to its own start.
-  std::optional<WalkEnd> alongside(const Walk& walk, const SteppedPoint& p) const {
+  std::optional<WalkEnd> alongside(const SteppedPoint& p) const {
     const double W = options_.band_width_mm;
     const Vec3 n = p.normal_sign * skin_.normal(p.at);
     std::optional<WalkEnd> out;
     grid_.near(p.position, [&](std::size_t i) {
-      if (out) return;
+      if (out == WalkEnd::closed) return;
       const SteppedPoint& q = own_[i];
       const bool own = i >= own_start_;
-      const double apart = own ? p.s_mm - q.s_mm : p.s_mm + q.s_mm;  // earlier walk ran the other way
-      if (apart < 3 * W) return;
+      // An earlier walk ran the other way from the same start.
+      const double apart = own ? p.s_mm - q.s_mm : p.s_mm + q.s_mm;
+      const bool same_sense = (own ? 1 : -1) * p.direction.dot(q.direction) > 0.5;
+      // Abreast of a point it passed in the same sense, it has gone full circle since, however small that was.
+      // In the other sense it may only have made a turn.
+      if (apart < (same_sense ? 4 * longest_step_ : 3 * W)) return;
       const Vec3 r = q.position - p.position;
-      if (std::abs(r.dot(p.direction)) > options_.step_mm || r.norm() > W) return;
+      if (std::abs(r.dot(p.direction)) > longest_step_ || r.norm() > W) return;
       if (n.dot(q.normal_sign * skin_.normal(q.at)) < 0.5) return;
       // Sideways along the skin: the height of the arc between the points is no distance.
-      const double lateral = r.norm() < 2 * options_.step_mm ? std::abs(r.dot(n.cross(p.direction))) : r.norm();
-      const bool is_start = own_.empty() ? false : (own ? q.s_mm < options_.step_mm : false);
-      out = is_start && walk.points.size() > 2 && lateral < 0.01 * options_.step_mm ? WalkEnd::closed
-                                                                                      : WalkEnd::alongside;
+      const double lateral = r.norm() < 2 * longest_step_ ? std::abs(r.dot(n.cross(p.direction))) : r.norm();
+      const bool is_start = own && i == 0;
+      out = is_start && same_sense && lateral < 0.01 * options_.step_mm ? WalkEnd::closed : WalkEnd::alongside;
     });
     return out;
   }
@@ -216,6 +223,7 @@ class Walker {
   PointGrid grid_;
   std::vector<SteppedPoint> own_, earlier_;
   std::size_t own_start_ = 0;
+  double longest_step_ = 0;
 };
 
 }  // namespace
