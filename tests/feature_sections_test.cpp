@@ -16,7 +16,7 @@ constexpr double length_tolerance = 2e-4;
 /// A straight (u, v) segment as the reference path.
 SplinePath uv_line(const Skin& skin, const Uv& a, const Uv& b, int normal_sign = 1) {
   const double length = (skin.point({0, b}) - skin.point({0, a})).norm();
-  return SplinePath(skin, {{0, normal_sign, line_segment(a, b, 0, length)}}, false);
+  return SplinePath(skin, {{{0, normal_sign, nullptr}, line_segment(a, b, 0, length)}}, false);
 }
 
 void expect_bands(const FeatureSections& sections) {
