@@ -63,26 +63,6 @@ void renormalise(GeodesicState& g, const SurfaceDerivatives& d) {
   if (speed > 0) g.duv /= speed;
 }
 
-/// The least angle between normals on opposite sides of a pole tells a dome from a cone.
-bool smooth_pole(const Face& face, const Coedge& coedge) {
-  const double t0 = coedge.pcurve.first(), t1 = coedge.pcurve.last();
-  const Uv a = coedge.pcurve.point(t0), b = coedge.pcurve.point(t1);
-  const Uv along = b - a;
-  Uv inward(-along.y(), along.x());  // left of the loop's run
-  if (coedge.reversed) inward = -inward;
-  const Interval du = face.surface.domain_u(), dv = face.surface.domain_v();
-  const double scale = std::abs(inward.x()) > std::abs(inward.y()) ? du.length() : dv.length();
-  const double reach = 1e-6 * (std::isfinite(scale) ? scale : 1.0);
-  inward *= reach / inward.norm();
-  Vec3 first = Vec3::Zero();
-  for (int i = 0; i <= 8; ++i) {
-    const Vec3 n = unit_normal(face.surface.derivatives(coedge.pcurve.point(t0 + (t1 - t0) * i / 8) + inward));
-    if (i == 0) first = n;
-    if (n.dot(first) < std::cos(1e-3)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 Vec3 turn_across(const Vec3& tangent, const Vec3& edge, const Vec3& n_from, const Vec3& n_to) {
@@ -96,17 +76,9 @@ PathFrame frame_of(const Skin& skin, const GeodesicState& state) {
 }
 
 GeodesicTracer::GeodesicTracer(const Skin& skin, const GeodesicOptions& options) : skin_(&skin), options_(options) {
-  const auto& faces = skin.part().faces;
-  poles_.resize(faces.size());
-  for (int f : skin.faces()) {
-    const auto index = static_cast<std::size_t>(f);
-    for (const Loop& loop : faces[index].loops) {
-      for (const Coedge& c : loop.coedges)
-        if (skin.part().edges[static_cast<std::size_t>(c.edge)].degenerate)
-          poles_[index].push_back({faces[index].surface.point(c.pcurve.point(c.pcurve.first())),
-                                   smooth_pole(faces[index], c)});
-    }
-  }
+  poles_.resize(skin.part().faces.size());
+  for (const Pole& pole : poles_of(skin))
+    for (int face : pole.faces) poles_[static_cast<std::size_t>(face)].push_back(pole);
   // Within this radius the skin is flat to 1e-12 of its size: a hop over the pole is exact enough.
   pole_radius_mm_ = 1e-6 * std::min(1.0, skin.diagonal() / 100);
   lever_mm_ = 0.02 * skin.diagonal();
@@ -417,7 +389,7 @@ bool GeodesicTracer::may_stay_outside(const GeodesicState& state, const Span& sp
   return state.outside_mm <= limit;
 }
 
-const GeodesicTracer::Pole* GeodesicTracer::approached_pole(const GeodesicState& state, const SurfaceDerivatives& d,
+const Pole* GeodesicTracer::approached_pole(const GeodesicState& state, const SurfaceDerivatives& d,
                                                             double& distance, double& miss) const {
   const Pole* nearest = nullptr;
   distance = std::numeric_limits<double>::infinity();

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "geometry/poles.h"
 #include "geometry/skin.h"
 
 namespace afptraj {
@@ -68,10 +69,6 @@ class GeodesicTracer {
   const GeodesicOptions& options() const { return options_; }
 
  private:
-  struct Pole {
-    Vec3 point;
-    bool smooth;
-  };
   struct Here;  // derivatives and slope at a state, on its piece
   Here look(const GeodesicState& state, const Span& span) const;
   bool integrate(GeodesicState& state, const Here& here, const Span& span, double h, double* error) const;

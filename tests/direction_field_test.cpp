@@ -36,6 +36,12 @@ TEST(DirectionField, WeighsByTheDistanceFromTheNormalLine) {
   EXPECT_FALSE(asked.range_doubled);
 }
 
+// Doubling a range of 0 would never end.
+TEST(DirectionField, RefusesARangeThatIsNotPositive) {
+  for (const double range : {0.0, -1.0, std::nan("")})
+    EXPECT_THROW(DirectionField({point(P + a, a)}, range), std::invalid_argument) << range;
+}
+
 TEST(DirectionField, LeavesOutPointsBeyondTheRange) {
   const std::vector<OrientationPoint> points{point(P + 3 * a + 4 * b + 90 * n, a),
                                              point(P - 10 * b - 20 * n, b)};

@@ -16,7 +16,7 @@ constexpr double length_tolerance = 2e-4;
 /// A straight (u, v) segment as the reference path.
 SplinePath uv_line(const Skin& skin, const Uv& a, const Uv& b, int normal_sign = 1) {
   const double length = (skin.point({0, b}) - skin.point({0, a})).norm();
-  return SplinePath(skin, {{0, normal_sign, line_segment(a, b, 0, length)}}, false);
+  return SplinePath(skin, {{{0, normal_sign, nullptr}, line_segment(a, b, 0, length)}}, false);
 }
 
 void expect_bands(const FeatureSections& sections) {
@@ -86,6 +86,18 @@ TEST(FeatureSections, MeasureGeneratorsOfACylinder) {
   EXPECT_NEAR(sections.L2_mm, 300, length_tolerance);
   EXPECT_EQ(sections.N1, 14);  // 13.28
   EXPECT_EQ(sections.N2, 6);   // 5.41
+}
+
+// Round a whole tube both sides meet opposite of the path: they share the section, and the bands of both make up the
+// tube.
+TEST(FeatureSections, ShareAWholeTube) {
+  const double R = 100;
+  const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, 1000});
+  const FeatureSections sections = feature_sections(skin, uv_line(skin, Uv(0.9, 10), Uv(0.9, 990)), W, W);
+  EXPECT_NEAR(sections.L1_mm, pi * R, length_tolerance);
+  EXPECT_NEAR(sections.L2_mm, pi * R, length_tolerance);
+  EXPECT_EQ(sections.N1 + sections.N2 + 1, 13);  // 628.3 / 50.8 = 12.4
+  expect_bands(sections);
 }
 
 // On a helix the planes cut ellipses: at 45 degrees the axes R and R sqrt 2. The unrolled section is the sine

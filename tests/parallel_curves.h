@@ -21,7 +21,7 @@ inline std::shared_ptr<const SplinePath> uv_line(const Skin& skin, const Uv& a, 
   const SurfaceDerivatives d = skin.derivatives({0, 0.5 * (a + b)});
   const double length = uv_to_tangent(d, b - a).norm();
   return std::make_shared<const SplinePath>(
-      skin, std::vector<SplinePath::Piece>{{0, 1, line_segment(a, b, 0, length)}}, closed);
+      skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, line_segment(a, b, 0, length)}}, closed);
 }
 
 /// Cubics to 1e-7 mm between rays of 1e-11 mm: below all that the tests of closed forms ask for (1e-6 mm).

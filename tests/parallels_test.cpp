@@ -18,7 +18,7 @@ std::shared_ptr<const SplinePath> uv_line(const Skin& skin, const Uv& a, const U
   const SurfaceDerivatives d = skin.derivatives({0, 0.5 * (a + b)});
   const double length = uv_to_tangent(d, b - a).norm();
   return std::make_shared<const SplinePath>(
-      skin, std::vector<SplinePath::Piece>{{0, 1, line_segment(a, b, 0, length)}}, closed);
+      skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, line_segment(a, b, 0, length)}}, closed);
 }
 
 ParallelOptions options_for(const Skin& skin) {
@@ -97,7 +97,7 @@ TEST(Parallels, OfAHelixAreHelicesAndMeetBehind) {
   const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, L});
   const double turn = L / R;  // 45 degrees
   const auto helix = std::make_shared<const SplinePath>(
-      skin, std::vector<SplinePath::Piece>{{0, 1, line_segment(Uv(1, 0), Uv(1 + turn, L), 0, L * std::sqrt(2.0))}}, false);
+      skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, line_segment(Uv(1, 0), Uv(1 + turn, L), 0, L * std::sqrt(2.0))}}, false);
   const Parallels p = geodesic_parallels(skin, helix, options_for(skin));
   int left = 0, right = 0;
   for (const LevelCurve& level : p.levels) {
@@ -178,7 +178,7 @@ TEST(Parallels, EndInsideOnlyInPairs) {
   const Skin tube = make_skin(Surface::cylinder({}, 350), {0, 2 * pi}, {0, 1000});
   const double turn = 1000.0 / 350;
   const auto helix = std::make_shared<const SplinePath>(
-      tube, std::vector<SplinePath::Piece>{{0, 1, line_segment(Uv(1, 0), Uv(1 + turn, 1000), 0, 1000 * std::sqrt(2.0))}},
+      tube, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, line_segment(Uv(1, 0), Uv(1 + turn, 1000), 0, 1000 * std::sqrt(2.0))}},
       false);
   int pairs = 0;
   const auto check = [&](const Skin& skin, const Parallels& parallels) {

@@ -184,7 +184,8 @@ void expect_hoop(const SteppedPath& path, double R, double z) {
 // narrow tubes the bend of the last step was once taken for a sideways distance, and the path for one
 // alongside itself.
 TEST(ReferencePath, ClosesRoundACylinder) {
-  for (double R = 25; R < 400; R *= 1.07) {
+  // From a circumference of W, over 2.5 W (R = 20.2): below 3 W once only a second or third turn closed.
+  for (double R = 8; R < 400; R *= 1.07) {
     const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, 200});
     expect_hoop(step_reference_path(skin, hoop_field(skin, R, 70), {0, Uv(0.3, 100)}, StepOptions{}), R, 100);
   }
@@ -212,6 +213,36 @@ TEST(ReferencePath, ClosesRoundADuct) {
   EXPECT_TRUE(path.closed) << to_string(path.end[1]);
   EXPECT_NEAR(path.points.back().s_mm, 2 * pi * r, 4);
   for (const SteppedPoint& p : path.points) EXPECT_NEAR(p.at.uv.x(), 0.5, 1e-10);
+}
+
+// On a tube of 2.5 W too, and never closed.
+TEST(ReferencePath, AHelixOnANarrowTubeIsNoRing) {
+  const double R = 2.5 * 50.8 / (2 * pi);
+  const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, 1000});
+  for (const double pitch : {1.0, 30.0, 70.0}) {
+    PlyOrientation ply{"P", {}, 0};
+    for (int i = 0; i < 12; ++i)
+      for (int k = 0; k < 21; ++k) {
+        const double a = i * pi / 6;
+        ply.points.push_back({Vec3(R * std::cos(a), R * std::sin(a), 50 * k),
+                              Vec3(-std::sin(a), std::cos(a), pitch / (2 * pi * R)), 0});
+      }
+    const DirectionField field = make_direction_field(skin, ply, 300, 5, "");
+    const SteppedPath path = step_reference_path(skin, field, {0, Uv(0.3, 500)}, StepOptions{});
+    EXPECT_FALSE(path.closed) << pitch;
+    const WalkEnd expected = pitch < 50.8 ? WalkEnd::alongside : WalkEnd::boundary;
+    EXPECT_EQ(path.end[0], expected) << pitch << " " << to_string(path.end[0]);
+    EXPECT_EQ(path.end[1], expected) << pitch << " " << to_string(path.end[1]);
+    if (expected != WalkEnd::alongside) continue;
+    // The forward walk ends after one turn, less the lead of a line at right angles to it; the backward one at once.
+    double turned = 0;
+    for (std::size_t i = 1; i < path.points.size(); ++i) {
+      const Vec3 &q = path.points[i - 1].position, &r = path.points[i].position;
+      turned += std::atan2(q.x() * r.y() - q.y() * r.x(), q.x() * r.x() + q.y() * r.y());
+    }
+    EXPECT_GT(turned, 2 * pi * 0.8) << pitch;
+    EXPECT_LT(turned, 2 * pi * 1.05) << pitch;
+  }
 }
 
 // A helix comes alongside itself after one turn when its pitch is below W, and does not when it is above.

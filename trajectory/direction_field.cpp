@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include "geometry/error.h"
 
@@ -9,6 +10,7 @@ namespace afptraj {
 
 DirectionField::DirectionField(std::vector<OrientationPoint> points, double range_mm)
     : points_(std::move(points)), range_mm_(range_mm) {
+  if (!(range_mm > 0)) throw std::invalid_argument("direction field: the range must be greater than 0");
   for (OrientationPoint& p : points_) p.direction.normalize();
 }
 

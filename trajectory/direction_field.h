@@ -33,6 +33,7 @@ struct AskedDirection {
 /// not count. R_k = 0 gives V_k. With no point in range, the range doubles until one is.
 class DirectionField {
  public:
+  /// Throws std::invalid_argument unless range_mm > 0.
   DirectionField(std::vector<OrientationPoint> points, double range_mm);
 
   /// `normal`: unit normal of the skin at `p`; `walk`: the sense to keep.

@@ -7,6 +7,7 @@
 #include "geometry/curvature.h"
 #include "geometry/error.h"
 #include "geometry/geodesic.h"
+#include "trajectory/apex.h"
 
 namespace afptraj {
 namespace {
@@ -58,7 +59,7 @@ std::vector<Bend> measure(const Skin& skin, const std::vector<SteppedPoint>& poi
 
 /// The moves that fair the path; `moved` are those made so far, which count as distance too.
 std::vector<double> solve_moves(const std::vector<SteppedPoint>& points, const std::vector<Bend>& bends,
-                                const std::vector<double>& moved, double weight, bool closed) {
+                                const std::vector<double>& moved, double weight, const bool (&held)[2]) {
   const std::size_t n = points.size();
   std::vector<double> w(n, 0.0);
   ceres::Problem problem;
@@ -77,10 +78,8 @@ std::vector<double> solve_moves(const std::vector<SteppedPoint>& points, const s
     problem.AddResidualBlock(new LinearResidual<4>(coefficient, scale * (b.kappa - a.kappa)), nullptr, &w[i - 1], &w[i],
                              &w[i + 1], &w[i + 2]);
   }
-  if (closed) {
-    problem.SetParameterBlockConstant(&w.front());
-    problem.SetParameterBlockConstant(&w.back());
-  }
+  if (held[0]) problem.SetParameterBlockConstant(&w.front());
+  if (held[1]) problem.SetParameterBlockConstant(&w.back());
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;
@@ -105,20 +104,28 @@ void renew_directions(std::vector<SteppedPoint>& points) {
   }
 }
 
+/// Turns an end at an apex to the side of its neighbour: the path arrives along a meridian.
+void renew_at_apex(const Skin& skin, SteppedPoint& end, const SteppedPoint& neighbour) {
+  for (const Pole& pole : poles_of(skin))
+    if ((pole.point - end.position).norm() < 2 * beside_apex_mm)
+      if (const auto renewed = beside_pole(skin, pole.point, neighbour.position, beside_apex_mm, neighbour)) end = *renewed;
+}
+
 }  // namespace
 
 SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const FairingOptions& options) {
   SteppedPath out = stepped;
   if (options.fairness <= 0 || stepped.points.size() < 5) return out;
   const double weight = options.fairness * std::pow(options.length_mm, 6);
+  const bool at_apex[2] = {stepped.end[0] == WalkEnd::pole, stepped.end[1] == WalkEnd::pole};
+  const bool held[2] = {stepped.closed || at_apex[0], stepped.closed || at_apex[1]};
   GeodesicOptions geodesic;
   geodesic.margin_mm = options.length_mm;
   geodesic.outside_limit_mm = options.length_mm;
   const GeodesicTracer tracer(skin, geodesic);
   std::vector<double> moved(out.points.size(), 0.0);
   for (int round = 0; round < 2; ++round) {
-    const std::vector<double> w =
-        solve_moves(out.points, measure(skin, out.points), moved, weight, stepped.closed);
+    const std::vector<double> w = solve_moves(out.points, measure(skin, out.points), moved, weight, held);
     for (std::size_t i = 0; i < out.points.size(); ++i) {
       SteppedPoint& p = out.points[i];
       if (std::abs(w[i]) < 1e-12) continue;
@@ -132,6 +139,8 @@ SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const Fairin
       p.position = skin.point(g.at);
       moved[i] += w[i];
     }
+    if (at_apex[0]) renew_at_apex(skin, out.points.front(), out.points[1]);
+    if (at_apex[1]) renew_at_apex(skin, out.points.back(), out.points[out.points.size() - 2]);
     renew_directions(out.points);
   }
   return out;

@@ -18,7 +18,13 @@ FeatureSections feature_sections(const Skin& skin, const SourceCurve& path, doub
     const SourceCurve::Frame q = path.at(path.first() + length * static_cast<double>(i) / static_cast<double>(count));
     if (q.outside) return;
     const Plane plane{q.frame.position, q.frame.tangent};
-    left[i] = trace_section(skin, plane, q.at, q.frame.left(), options).length_mm();
+    const SectionCurve to_left = trace_section(skin, plane, q.at, q.frame.left(), options);
+    left[i] = to_left.length_mm();
+    if (to_left.closed) {  // round a tube: each side goes half way, where it meets the other
+      left[i] *= 0.5;
+      right[i] = left[i];
+      return;
+    }
     right[i] = trace_section(skin, plane, q.at, -q.frame.left(), options).length_mm();
   });
   FeatureSections out;

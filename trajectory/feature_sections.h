@@ -12,7 +12,8 @@ struct FeatureSections {
 };
 
 /// At points Q_i of the path every `spacing_mm`, the plane spanned by n and b cuts the skin in one
-/// curve to the left and one to the right; N = ceil((L - W/2) / W), never below 0.
+/// curve to the left and one to the right; N = ceil((L - W/2) / W), never below 0. A section that comes back
+/// to its start is shared: half of it belongs to each side.
 FeatureSections feature_sections(const Skin& skin, const SourceCurve& path, double band_width_mm, double spacing_mm);
 
 }  // namespace afptraj

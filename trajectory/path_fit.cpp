@@ -8,129 +8,10 @@
 #include "geometry/curvature.h"
 #include "geometry/error.h"
 #include "trajectory/fairing.h"
+#include "trajectory/path_runs.h"
 
 namespace afptraj {
 namespace {
-
-/// The points of the path on one chart, with the crossing points at its ends.
-struct Run {
-  int face = -1;
-  int normal_sign = 1;
-  std::vector<double> t;
-  std::vector<Uv> uv;
-  bool fixed[2] = {false, false};        // the end is a crossing point
-  Vec3 tangent[2] = {Vec3::Zero(), Vec3::Zero()};
-};
-
-/// Where the step from p to q leaves p's chart, and where it arrives on the next one.
-struct Passage {
-  SurfacePoint out, in;
-  int normal_sign = 1;
-};
-
-bool same_chart(const Skin& skin, const SteppedPoint& p, const SteppedPoint& q) {
-  if (p.at.face != q.at.face || crease_between(skin.face(p.at.face).surface, p.at.uv, q.at.uv)) return false;
-  // The straight (u, v) segment must be as long on the surface as the step in space.
-  const SurfaceDerivatives d = skin.derivatives({p.at.face, 0.5 * (p.at.uv + q.at.uv)});
-  const double along = uv_to_tangent(d, q.at.uv - p.at.uv).norm();
-  return along < 1.5 * (q.position - p.position).norm() + 1e-9;
-}
-
-/// Follows the segment p -> q over edges to q's chart; at most a few faces lie between.
-std::vector<Passage> passages(const Skin& skin, const SteppedPoint& p, const SteppedPoint& q) {
-  std::vector<Passage> out;
-  SurfacePoint at = p.at;
-  Vec3 carried = p.normal_sign * skin.normal(p.at);
-  for (int hop = 0; hop < 8; ++hop) {
-    const Surface& surface = skin.face(at.face).surface;
-    const SurfaceDerivatives d = surface.derivatives(at.uv);
-    Uv seed = at.uv + tangent_to_uv(d, q.position - d.S);
-    if (!seed.allFinite()) seed = at.uv;
-    const auto foot = foot_point(surface, q.position, seed);
-    const UvCubic path = UvCubic::line(at.uv, foot ? *foot : seed);
-    const auto hit = skin.trim(at.face).first_crossing(path, true);
-    const auto crease = crease_between(surface, at.uv, path.point(1));
-    if (crease && (!hit || crease->x < hit->x)) {
-      Uv uv = at.uv + crease->x * (path.point(1) - at.uv);
-      uv[crease->axis] = crease->value;
-      out.push_back({{at.face, uv}, {at.face, uv}, skin.normal(at).dot(carried) >= 0 ? 1 : -1});
-      at.uv = uv;
-      SteppedPoint here{at, skin.point(at), Vec3::Zero(), 1, 0};
-      if (same_chart(skin, here, q)) return out;
-      continue;
-    }
-    if (!hit) return out;
-    const EdgeUse use{at.face, hit->loop, hit->coedge};
-    Passage passage;
-    passage.out = {at.face, hit->uv};
-    if (!skin.mate(use)) return out;
-    passage.in = skin.across(use, hit->t, surface.point(hit->uv));
-    const Vec3 n = skin.normal(passage.in);
-    passage.normal_sign = n.dot(carried) >= 0 ? 1 : -1;
-    if (!n.isZero()) carried = passage.normal_sign * n;
-    out.push_back(passage);
-    at = passage.in;
-    SteppedPoint here{at, skin.point(at), Vec3::Zero(), 1, 0};
-    if (same_chart(skin, here, q)) return out;
-  }
-  return out;
-}
-
-/// Splits the path into charts and puts the passages between them.
-std::vector<Run> split_runs(const Skin& skin, const SteppedPath& stepped) {
-  const auto& points = stepped.points;
-  std::vector<double> t(points.size(), 0.0);
-  for (std::size_t i = 1; i < points.size(); ++i)
-    t[i] = t[i - 1] + (points[i].position - points[i - 1].position).norm();
-  std::vector<Run> runs;
-  const auto open_run = [&](int face, int sign) {
-    runs.emplace_back();
-    runs.back().face = face;
-    runs.back().normal_sign = sign;
-  };
-  const auto add = [&](double at, const Uv& uv) {
-    runs.back().t.push_back(at);
-    runs.back().uv.push_back(uv);
-  };
-  open_run(points[0].at.face, points[0].normal_sign);
-  add(t[0], points[0].at.uv);
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    if (!same_chart(skin, points[i - 1], points[i])) {
-      const auto between = passages(skin, points[i - 1], points[i]);
-      const Vec3 along = (points[std::min(i + 1, points.size() - 1)].position -
-                          points[i >= 2 ? i - 2 : 0].position).normalized();
-      for (const Passage& passage : between) {
-        const Vec3 x = skin.point(passage.out);
-        const double a = (x - points[i - 1].position).norm(), b = (points[i].position - x).norm();
-        const double at = t[i - 1] + (t[i] - t[i - 1]) * a / std::max(a + b, 1e-12);
-        // A stepped point on the very edge would make a span of no length: the passage replaces it.
-        while (runs.back().t.size() > 1 && at - runs.back().t.back() < 1e-3) {
-          runs.back().t.pop_back();
-          runs.back().uv.pop_back();
-        }
-        add(std::max(at, runs.back().t.back() + 1e-6), passage.out.uv);
-        const double reached = runs.back().t.back();
-        runs.back().fixed[1] = true;
-        runs.back().tangent[1] = along;
-        open_run(passage.in.face, passage.normal_sign);
-        add(reached, passage.in.uv);
-        runs.back().fixed[0] = true;
-        runs.back().tangent[0] = along;
-      }
-      if (between.empty()) open_run(points[i].at.face, points[i].normal_sign);
-    }
-    if (!runs.back().t.empty() && t[i] - runs.back().t.back() < 1e-3 && i + 1 < points.size()) continue;
-    add(runs.back().t.empty() ? t[i] : std::max(t[i], runs.back().t.back() + 1e-6), points[i].at.uv);
-  }
-  if (stepped.closed) {
-    const Vec3 along = (points[1].position - points[points.size() - 2].position).normalized();
-    runs.front().fixed[0] = runs.back().fixed[1] = true;
-    runs.front().tangent[0] = runs.back().tangent[1] = along;
-  }
-  // A run of a single point (a touch of a chart) carries no curve.
-  std::erase_if(runs, [](const Run& r) { return r.t.size() < 2; });
-  return runs;
-}
 
 /// Distance of the curve from a point, in the metric of the surface there: linear in the poles.
 class PointResidual : public ceres::SizedCostFunction<2, 2, 2, 2, 2> {
@@ -189,7 +70,8 @@ struct Site {
 
 /// Sine of the angle between the curve's end and a wanted tangent.
 struct TangentResidual {
-  const Face* face;
+  const Skin* skin;
+  const PathChart* chart;
   Site site;
   Vec3 tangent;
   double weight;
@@ -200,7 +82,7 @@ struct TangentResidual {
       c += site.basis[0][k] * Uv(poles[k][0], poles[k][1]);
       d1 += site.basis[1][k] * Uv(poles[k][0], poles[k][1]);
     }
-    const SurfaceDerivatives d = face->surface.derivatives(c);
+    const SurfaceDerivatives d = chart->place(*skin, c).d;
     const Vec3 n = unit_normal(d);
     const Vec3 velocity = uv_to_tangent(d, d1);
     const Vec3 wanted = (tangent - tangent.dot(n) * n).normalized();
@@ -231,7 +113,7 @@ Uv interpolate(const Run& run, double t) {
   const auto i = static_cast<std::size_t>(
       std::clamp<std::ptrdiff_t>(it - run.t.begin() - 1, 0, static_cast<std::ptrdiff_t>(run.t.size()) - 2));
   const double x = (t - run.t[i]) / (run.t[i + 1] - run.t[i]);
-  return (1 - x) * run.uv[i] + x * run.uv[i + 1];
+  return (1 - x) * run.at[i] + x * run.at[i + 1];
 }
 
 /// The matrix R with |R d|^2 = I(d, d): R^T R is the first fundamental form.
@@ -244,7 +126,6 @@ Eigen::Matrix2d metric_root(const SurfaceDerivatives& d) {
 }
 
 BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& options) {
-  const Face& face = skin.face(run.face);
   const double length = run.t.back() - run.t.front();
   const int by_spacing = static_cast<int>(std::ceil(length / options.knot_spacing_mm));
   const int by_points = static_cast<int>(run.t.size()) / 3;
@@ -265,22 +146,22 @@ BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& option
   for (std::size_t i = 0; i < run.t.size(); ++i) {
     const Site site = site_at(curve, run.t[i]);
     const double ds = 0.5 * (run.t[std::min(i + 1, run.t.size() - 1)] - run.t[i > 0 ? i - 1 : 0]);
-    const Eigen::Matrix2d root = metric_root(face.surface.derivatives(run.uv[i])) * std::sqrt(ds);
+    const Eigen::Matrix2d root = metric_root(run.chart.place(skin, run.at[i]).d) * std::sqrt(ds);
     const int k = site.span - 3;
-    problem.AddResidualBlock(new PointResidual(site.basis[0], run.uv[i], root), nullptr, block(k), block(k + 1),
+    problem.AddResidualBlock(new PointResidual(site.basis[0], run.at[i], root), nullptr, block(k), block(k + 1),
                              block(k + 2), block(k + 3));
   }
   // Poles that few points see are held by the least bending of the control polygon.
   for (int j = 0; j + 2 < static_cast<int>(count); ++j) {
-    const Eigen::Matrix2d root = metric_root(face.surface.derivatives(curve.poles[static_cast<std::size_t>(j) + 1]));
+    const Eigen::Matrix2d root = metric_root(run.chart.place(skin, curve.poles[static_cast<std::size_t>(j) + 1]).d);
     problem.AddResidualBlock(new BendResidual(1e-6 * root), nullptr, block(j), block(j + 1), block(j + 2));
   }
   for (int end = 0; end < 2; ++end) {
     if (!run.fixed[end]) continue;
     const int pole = end == 0 ? 0 : static_cast<int>(count) - 1;
-    const Uv& uv = end == 0 ? run.uv.front() : run.uv.back();
-    block(pole)[0] = uv.x();
-    block(pole)[1] = uv.y();
+    const Uv& at = end == 0 ? run.at.front() : run.at.back();
+    block(pole)[0] = at.x();
+    block(pole)[1] = at.y();
     problem.SetParameterBlockConstant(block(pole));
     if (run.tangent[end].isZero()) continue;
     const double t = end == 0 ? run.t.front() : run.t.back();
@@ -288,7 +169,7 @@ BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& option
     const int k = site.span - 3;
     problem.AddResidualBlock(
         new ceres::NumericDiffCostFunction<TangentResidual, ceres::CENTRAL, 1, 2, 2, 2, 2>(
-            new TangentResidual{&face, site, run.tangent[end], 1e4}),
+            new TangentResidual{&skin, &run.chart, site, run.tangent[end], 1e4}),
         nullptr, block(k), block(k + 1), block(k + 2), block(k + 3));
   }
   ceres::Solver::Options solver;
@@ -306,10 +187,6 @@ BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& option
   return curve;
 }
 
-}  // namespace
-
-namespace {
-
 /// Greatest and mean distance of points from the polyline of a path, across it.
 void measure_deviation(const SteppedPath& from, const SteppedPath& to, PathFit& out) {
   double sum = 0;
@@ -326,12 +203,11 @@ void measure_deviation(const SteppedPath& from, const SteppedPath& to, PathFit& 
 /// Distance of a run's points from its spline, across it.
 double spline_deviation(const Skin& skin, const Run& run, const BSplineCurve2& curve) {
   double worst = 0;
-  const Surface& surface = skin.face(run.face).surface;
   for (std::size_t i = 0; i < run.t.size(); ++i) {
     const auto c = curve.derivatives(run.t[i]);
-    const SurfaceDerivatives d = surface.derivatives(c.c);
+    const SurfaceDerivatives d = run.chart.place(skin, c.c).d;
     const Vec3 tangent = uv_to_tangent(d, c.d1).normalized();
-    Vec3 miss = surface.point(run.uv[i]) - d.S;
+    Vec3 miss = run.chart.place(skin, run.at[i]).d.S - d.S;
     miss -= miss.dot(tangent) * tangent;  // along the path only the parameter differs
     worst = std::max(worst, miss.norm());
   }
@@ -349,8 +225,8 @@ PathFit fit_path(const Skin& skin, const SteppedPath& stepped, const FitOptions&
   measure_deviation(stepped, fair, out);
   std::vector<SplinePath::Piece> pieces;
   double spline_mm = 0;
-  for (const Run& run : split_runs(skin, fair)) {
-    pieces.push_back({run.face, run.normal_sign, fit_run(skin, run, options)});
+  for (const Run& run : split_runs(skin, fair, options.knot_spacing_mm, options.length_mm)) {
+    pieces.push_back({run.chart, fit_run(skin, run, options)});
     spline_mm = std::max(spline_mm, spline_deviation(skin, run, pieces.back().curve));
   }
   out.max_mm += spline_mm;

@@ -20,9 +20,9 @@ struct PathFit {
   double spline_mm = 0;  ///< greatest distance of the faired points from the spline
 };
 
-/// Fairs the stepped path (trajectory/fairing.h) and fits cubic B-splines in (u, v) to it by least
-/// squares (Ceres, one thread, so that the bytes do not depend on it). Where the path goes over to another face,
-/// crosses a seam or a pole, a new piece begins: position and direction are continuous there.
+/// Fairs the stepped path (trajectory/fairing.h) and fits a cubic B-spline by least squares (Ceres, one
+/// thread, so that the bytes do not depend on it) to each of its runs (trajectory/path_runs.h). Position and
+/// direction are continuous from one to the next.
 PathFit fit_path(const Skin& skin, const SteppedPath& stepped, const FitOptions& options);
 
 }  // namespace afptraj

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "geometry/curvature.h"
+#include "trajectory/apex.h"
 
 namespace afptraj {
 namespace {
@@ -103,7 +104,7 @@ struct Walk {
 class Walker {
  public:
   Walker(const Skin& skin, const DirectionField& field, const StepOptions& options)
-      : skin_(skin), field_(field), options_(options), grid_(options.band_width_mm) {}
+      : skin_(skin), field_(field), options_(options), poles_(poles_of(skin)), grid_(options.band_width_mm) {}
 
   Walk walk(const SteppedPoint& start, const Vec3& first_direction) {
     Walk out;
@@ -118,10 +119,18 @@ class Walker {
       AskedDirection asked = field_.at(d.S, n, direction);
       if (asked.singular || (asked.strength < options_.least_strength && s > 0))
         return ended(out, WalkEnd::singular_field);
-      const double length = step_length(d, n, asked.direction);
+      double length = step_length(d, n, asked.direction);
+      if (const Pole* apex = apex_ahead(d.S, asked.direction, length)) {
+        if (!go_over(*apex, out)) return ended(out, WalkEnd::pole);
+        at = {out.points.back().at, out.points.back().normal_sign, false};
+        direction = out.points.back().direction;
+        s = out.points.back().s_mm;
+        continue;
+      }
       // Midpoint rule: the direction half a step ahead makes the step second order.
       bool doubled = asked.range_doubled;
-      if (const auto half = arc_step(skin_, at, asked.direction, 0.5 * length)) {
+      if (const auto half = arc_step(skin_, at, asked.direction, 0.5 * length);
+          half && !meets_pole(d.S, length, half)) {
         const Vec3 half_n = half->normal_sign * skin_.normal(half->at);
         const AskedDirection ahead = field_.at(skin_.point(half->at), half_n, asked.direction);
         if (!half_n.isZero() && !ahead.singular) {
@@ -130,18 +139,21 @@ class Walker {
           doubled = doubled || ahead.range_doubled;
         }
       }
-      const auto next = arc_step(skin_, at, asked.direction, length);
-      if (!next) return ended(out, near_pole(d.S, length) ? WalkEnd::pole : WalkEnd::boundary);
+      auto next = arc_step(skin_, at, asked.direction, length);
+      // A pole itself has no frame: half the step ends before it, and the next one beyond.
+      if (meets_pole(d.S, length, next)) next = arc_step(skin_, at, asked.direction, length *= 0.5);
+      if (!next) return ended(out, WalkEnd::boundary);
       const Vec3 position = skin_.point(next->at);
       const double moved = (position - d.S).norm();
       if (moved < 0.1 * length) return ended(out, WalkEnd::stuck);
       ++out.steps;
       if (doubled) ++out.doubled;
       s += moved;
+      longest_step_ = std::max(longest_step_, moved);
       // Carry the direction by the chord: it keeps the sense of the walk.
       direction = (position - d.S).normalized();
-      SteppedPoint point{next->at, position, direction, next->normal_sign, s};
-      if (const auto met = alongside(out, point)) {
+      const SteppedPoint point{next->at, position, direction, next->normal_sign, s};
+      if (const auto met = alongside(point)) {
         if (*met == WalkEnd::closed) out.points.push_back(point);
         return ended(out, *met);
       }
@@ -169,43 +181,74 @@ class Walker {
     const double by_chord = k > 0 ? std::sqrt(8 * options_.chord_error_mm / k) : options_.step_mm;
     return std::min(options_.step_mm, by_chord);
   }
-  bool near_pole(const Vec3& p, double reach) const {
-    for (int f : skin_.faces())
-      for (const Loop& loop : skin_.face(f).loops)
-        for (const Coedge& c : loop.coedges)
-          if (skin_.part().edges[static_cast<std::size_t>(c.edge)].degenerate &&
-              (skin_.face(f).surface.point(c.pcurve.point(c.pcurve.first())) - p).norm() < 1.5 * reach)
-            return true;
-    return false;
+  /// Whether a step from p ends on a pole to a rounding error, or finds no foot that near to one.
+  bool meets_pole(const Vec3& p, double length, const std::optional<ArcStep>& step) const {
+    return std::any_of(poles_.begin(), poles_.end(), [&](const Pole& pole) {
+      return (pole.point - p).norm() < 1.5 * length &&
+             (!step || (pole.point - skin_.point(step->at)).norm() < 1e-6);
+    });
+  }
+  /// An apex that the next step would pass.
+  const Pole* apex_ahead(const Vec3& p, const Vec3& direction, double length) const {
+    for (const Pole& pole : poles_) {
+      const Vec3 to = pole.point - p;
+      if (!pole.smooth && to.norm() < 1.5 * length && to.dot(direction) > 0.5 * to.norm()) return &pole;
+    }
+    return nullptr;
+  }
+  /// Goes on over an apex, by an arc from W/2 before it to W/2 after it, or else ends there: false.
+  bool go_over(const Pole& apex, Walk& out) {
+    std::vector<SteppedPoint>& points = out.points;
+    std::size_t kept = points.size();
+    while (kept > 1 && (points[kept - 1].position - apex.point).norm() < 0.5 * options_.band_width_mm) --kept;
+    const auto arc = arc_over_apex(skin_, apex, points[kept - 1], options_);
+    if (!arc) {
+      const auto end = beside_pole(skin_, apex.point, points.back().position, beside_apex_mm, points.back());
+      if (end) points.push_back(*end);
+      return false;
+    }
+    points.resize(kept);
+    for (const SteppedPoint& p : *arc) {
+      remember(points.back());
+      points.push_back(p);
+      ++out.steps;
+    }
+    return true;
   }
   void remember(const SteppedPoint& p) {
     own_.push_back(p);
     grid_.add(p.position, own_.size() - 1);
   }
   void earlier_grid_fill() {
-    for (const SteppedPoint& p : earlier_) remember(p);
+    for (std::size_t i = 0; i < earlier_.size(); ++i) {
+      remember(earlier_[i]);
+      if (i > 0) longest_step_ = std::max(longest_step_, earlier_[i].s_mm - earlier_[i - 1].s_mm);
+    }
     own_start_ = own_.size();
   }
   /// Whether the path has come back alongside an older stretch of itself, within W and not just
   /// end-on; or exactly to its own start.
-  std::optional<WalkEnd> alongside(const Walk& walk, const SteppedPoint& p) const {
+  std::optional<WalkEnd> alongside(const SteppedPoint& p) const {
     const double W = options_.band_width_mm;
     const Vec3 n = p.normal_sign * skin_.normal(p.at);
     std::optional<WalkEnd> out;
     grid_.near(p.position, [&](std::size_t i) {
-      if (out) return;
+      if (out == WalkEnd::closed) return;
       const SteppedPoint& q = own_[i];
       const bool own = i >= own_start_;
-      const double apart = own ? p.s_mm - q.s_mm : p.s_mm + q.s_mm;  // earlier walk ran the other way
-      if (apart < 3 * W) return;
+      // An earlier walk ran the other way from the same start.
+      const double apart = own ? p.s_mm - q.s_mm : p.s_mm + q.s_mm;
+      const bool same_sense = (own ? 1 : -1) * p.direction.dot(q.direction) > 0.5;
+      // Abreast of a point it passed in the same sense, it has gone full circle since, however small that was.
+      // In the other sense it may only have made a turn.
+      if (apart < (same_sense ? 4 * longest_step_ : 3 * W)) return;
       const Vec3 r = q.position - p.position;
-      if (std::abs(r.dot(p.direction)) > options_.step_mm || r.norm() > W) return;
+      if (std::abs(r.dot(p.direction)) > longest_step_ || r.norm() > W) return;
       if (n.dot(q.normal_sign * skin_.normal(q.at)) < 0.5) return;
       // Sideways along the skin: the height of the arc between the points is no distance.
-      const double lateral = r.norm() < 2 * options_.step_mm ? std::abs(r.dot(n.cross(p.direction))) : r.norm();
-      const bool is_start = own_.empty() ? false : (own ? q.s_mm < options_.step_mm : false);
-      out = is_start && walk.points.size() > 2 && lateral < 0.01 * options_.step_mm ? WalkEnd::closed
-                                                                                      : WalkEnd::alongside;
+      const double lateral = r.norm() < 2 * longest_step_ ? std::abs(r.dot(n.cross(p.direction))) : r.norm();
+      const bool is_start = own && i == 0;
+      out = is_start && same_sense && lateral < 0.01 * options_.step_mm ? WalkEnd::closed : WalkEnd::alongside;
     });
     return out;
   }
@@ -213,9 +256,11 @@ class Walker {
   const Skin& skin_;
   const DirectionField& field_;
   StepOptions options_;
+  std::vector<Pole> poles_;
   PointGrid grid_;
   std::vector<SteppedPoint> own_, earlier_;
   std::size_t own_start_ = 0;
+  double longest_step_ = 0;
 };
 
 }  // namespace

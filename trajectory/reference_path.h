@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,7 +44,9 @@ struct SteppedPath {
 /// At P_i with direction V: r = 1/kappa_n(V); walk the arc of that circle in the normal plane by
 /// lambda, project to the skin. kappa_n -> 0 is a straight step. Error O(lambda^2) against the
 /// field line for the midpoint rule used here (the direction is taken half a step ahead).
-/// Ends before leaving the skin at an outer boundary; walks on over holes.
+/// Ends before leaving the skin at an outer boundary; walks on over holes and smooth poles. At an apex, a
+/// pole without a tangent plane, the asked directions part to all sides: a walk that would pass one within
+/// its step goes on over it (trajectory/apex.h), or ends on it.
 SteppedPath step_reference_path(const Skin& skin, const DirectionField& field, const SurfacePoint& start,
                                 const StepOptions& options);
 

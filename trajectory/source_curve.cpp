@@ -7,6 +7,16 @@
 
 namespace afptraj {
 
+GeodesicChart::Place PathChart::place(const Skin& skin, const Uv& at) const {
+  if (about) return about->place(at);
+  GeodesicChart::Place out;
+  out.at = {face, at};
+  out.normal_sign = normal_sign;
+  out.d = skin.derivatives(out.at);
+  out.normal = (skin.face(face).reversed ? -normal_sign : normal_sign) * unit_normal(out.d);
+  return out;
+}
+
 SplinePath::SplinePath(const Skin& skin, std::vector<Piece> pieces, bool closed)
     : skin_(&skin), pieces_(std::move(pieces)), closed_(closed) {}
 
@@ -17,18 +27,16 @@ SourceCurve::Frame SplinePath::at(double t) const {
     if (t <= candidate.curve.last()) break;
   }
   const auto c = piece->curve.derivatives(std::clamp(t, piece->curve.first(), piece->curve.last()));
+  const GeodesicChart::Place place = piece->chart.place(*skin_, c.c);
+  const Vec3 velocity = uv_to_tangent(place.d, c.d1);
   Frame out;
-  out.at = {piece->face, c.c};
-  const SurfaceDerivatives d = skin_->derivatives(out.at);
-  const double sign = skin_->face(piece->face).reversed ? -piece->normal_sign : piece->normal_sign;
-  const Vec3 normal = sign * unit_normal(d);
-  const Vec3 velocity = uv_to_tangent(d, c.d1);
+  out.at = place.at;
+  out.normal_sign = place.normal_sign;
   out.speed = velocity.norm();
-  out.frame = {d.S, velocity / out.speed, normal};
-  out.normal_sign = piece->normal_sign;
-  out.kg_per_mm = geodesic_curvature(d, normal, c.d1, c.d2);
+  out.frame = {place.d.S, velocity / out.speed, place.normal};
+  out.kg_per_mm = geodesic_curvature(place.d, place.normal, c.d1, c.d2);
   // The stepped path ends at outer boundaries: where the spline is off the skin, it spans a hole.
-  out.outside = out.in_hole = !skin_->trim(piece->face).contains(c.c);
+  out.outside = out.in_hole = !skin_->trim(out.at.face).contains(out.at.uv);
   return out;
 }
 

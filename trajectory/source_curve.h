@@ -6,6 +6,7 @@
 #include "geometry/bspline_curve.h"
 #include "geometry/geodesic.h"
 #include "geometry/surface_curve.h"
+#include "trajectory/geodesic_chart.h"
 
 namespace afptraj {
 
@@ -25,12 +26,20 @@ class SourceCurve {
   virtual bool closed() const { return false; }
 };
 
-/// B-splines in (u, v), one per chart, over one common parameter: the fitted reference path.
+/// Coordinates on a stretch of a skin: (u, v) of a face, or (s, w) about a geodesic where there is one.
+struct PathChart {
+  int face = -1;
+  int normal_sign = 1;
+  std::shared_ptr<const GeodesicChart> about;
+
+  GeodesicChart::Place place(const Skin& skin, const Uv& at) const;
+};
+
+/// B-splines, one per chart, over one common parameter: the fitted reference path.
 class SplinePath : public SourceCurve {
  public:
   struct Piece {
-    int face = -1;
-    int normal_sign = 1;
+    PathChart chart;
     BSplineCurve2 curve;
   };
   SplinePath(const Skin& skin, std::vector<Piece> pieces, bool closed);

@@ -10,6 +10,8 @@ struct State {
   Foot at;  // where x projects; seed of the next projection
   Vec x, t;
   double y, dy;
+  // Over an apex, where there is no tangent plane, nothing leads straight on.
+  bool lost() const { return !std::isfinite(x.SquareModulus()) || !std::isfinite(t.SquareModulus()); }
 };
 
 struct Rate {
@@ -23,6 +25,7 @@ class Walker {
 
   // One Gauss-Newton correction per stage is enough: stages lie within O(h^2) of the surface.
   Rate rate(const State& s, Foot& seed) const {
+    if (s.lost()) return {s.t, s.t, 0, 0};
     Jet j = skin_.jet(seed.face, seed.u, seed.v);
     for (int i = 0; i < 2; ++i) {
       const Vec r = s.x - j.S;
@@ -57,6 +60,7 @@ class Walker {
 
   // x back on the surface, t back into its tangent plane.
   State settled(State s, const Foot& seed) const {
+    if (s.lost()) return s;
     s.at = skin_.foot(seed.face, s.x, seed.u, seed.v);
     if (s.at.distance > 1) s.at = skin_.nearest_on(seed.face, s.x);
     s.x = s.at.point;
@@ -113,10 +117,11 @@ Shot shoot(const Skin& skin, const Foot& start, const Vec& normal, const Vec& di
     double error = 0;
     State next =
         options.fixed_step_mm > 0 ? walker.rk4(s, h) : walker.doubled(s, h, length - travelled, error);
-    if (options.fixed_step_mm <= 0 && error > options.tolerance_mm && h > least) {
+    if (options.fixed_step_mm <= 0 && !(error <= options.tolerance_mm) && h > least) {
       h = std::max(least, h * std::clamp(0.9 * std::pow(options.tolerance_mm / error, 0.2), 0.1, 0.5));
       continue;
     }
+    if (next.lost()) break;  // the shot falls short
     Vec after = skin.jet(next.at.face, next.at.u, next.at.v).normal();
     if (after * n < 0) after.Reverse();
     const bool outside = !skin.inside(next.at.face, next.at.u, next.at.v);

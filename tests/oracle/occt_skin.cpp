@@ -333,11 +333,13 @@ std::optional<Foot> Skin::other_face_at(const Vec& p, int except) const {
 BoundaryFoot Skin::boundary(const Vec& p) const {
   BoundaryFoot best;
   int best_face = -1;
+  double to_pole = 1e300;
   for (const EdgeData& e : edges_) {
     const FaceData& data = faces_[static_cast<std::size_t>(e.face)];
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t k = 0; k < e.samples.size(); ++k) order.emplace_back((e.samples[k] - p).Modulus(), k);
     std::sort(order.begin(), order.end());
+    if (e.pole) to_pole = std::min(to_pole, order.front().first);
     if (order.front().first > best.on_pcurve + e.reach) continue;
     const auto at = [&](double t, Vec& tangent) {
       gp_Pnt2d c;
@@ -373,6 +375,8 @@ BoundaryFoot Skin::boundary(const Vec& p) const {
       }
     }
   }
+  // The edges that run into a pole come within 1e-6 mm of what stands that near to it: that is the pole all the same.
+  best.pole = best.pole || to_pole < 1e-6;
   if (best_face >= 0) best.shared = other_face_at(p, best_face).has_value();
   return best;
 }

@@ -4,6 +4,7 @@
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <GeomConvert.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <Geom_ConicalSurface.hxx>
 #include <Geom_CylindricalSurface.hxx>
 #include <Geom_Plane.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
@@ -164,6 +165,23 @@ TEST(Geodesic, TurnsStraightOverACrease) {
   EXPECT_LT((shot.at.point - exact).Modulus(), 1e-3);  // the edge is met to a thousandth of the way
 }
 
+// An apex has no tangent plane: a shot from one, or into one, falls short and is finite. Once it became a NaN and ended
+// the program.
+TEST(Geodesic, EndsAtAnApex) {
+  const double angle = 0.6, radius = 100, slant = radius / std::sin(angle);
+  const Handle(Geom_Surface) cone = new Geom_ConicalSurface(gp_Ax3(), angle, radius);
+  const Skin skin({face_of(as_bspline(cone, 0, pi, -slant, 0), 0, pi, -slant, 0),
+                   face_of(as_bspline(cone, pi, 2 * pi, -slant, 0), pi, 2 * pi, -slant, 0)});
+  const Vec apex(0, 0, -radius / std::tan(angle));
+  const Shot from = shoot(skin, skin.nearest(apex), Vec(0, 0, -1), Vec(1, 0, 0), slant, 0);
+  EXPECT_LT(from.length, slant);
+  EXPECT_NEAR((from.at.point - apex).Modulus(), 0, 1e-9);
+  const Vec p(radius * std::cos(2), radius * std::sin(2), 0);
+  const Shot into = shoot_from(skin, p * 0.5 + apex * 0.5, apex - p, slant);
+  EXPECT_TRUE(std::isfinite(into.at.point.SquareModulus() + into.tangent.SquareModulus()));
+  EXPECT_TRUE(into.left_skin || into.length < slant / 2 + 1e-3);
+}
+
 TEST(Distance, ParallelsOfTheEquator) {
   const double R = 1000;
   const Skin skin({face_of(sphere(R), -0.5, 1.5, -1, 1)});
@@ -232,6 +250,26 @@ TEST(Ends, AnEdgeSharedByTwoFacesIsNotABoundary) {
   const EndCheck ends = check_ends(skin, {"p", {line_of(0, 50, 0, 100, 20), line_of(1, 60, 0, 200, 20)}});
   EXPECT_EQ(ends.shared, 1);
   EXPECT_EQ(ends.boundary, 3);
+}
+
+// Edges run into a pole, and what stands on it to 1e-6 mm stands on them too: an end at the pole. Farther from it the
+// same edge is one that two faces share.
+TEST(Ends, APoleIsNoSharedEdge) {
+  const double R = 100, beside_edge = 0.05;
+  const Skin skin({face_of(sphere(R), 0, pi / 2, 0, pi / 2), face_of(sphere(R), pi / 2, pi, 0, pi / 2)});
+  const auto ends = [&](double from_pole) {
+    const double a = pi / 2 - beside_edge, length = R * pi / 2 - from_pole;
+    return check_ends(skin, {"p", {segment_of(0, length, 20, [&](double s) {
+                        Sample p;
+                        p.n = Vec(std::cos(s / R) * std::cos(a), std::cos(s / R) * std::sin(a), std::sin(s / R));
+                        p.x = p.n * R;
+                        return p;
+                      })}});
+  };
+  EXPECT_EQ(ends(5e-7).pole, 1);
+  EXPECT_EQ(ends(5e-7).shared, 0);
+  EXPECT_EQ(ends(1e-5).pole, 0);
+  EXPECT_EQ(ends(1e-5).shared, 1);
 }
 
 TEST(Crossings, FoundBetweenAndWithinCourses) {
