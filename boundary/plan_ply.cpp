@@ -114,7 +114,7 @@ ParallelOptions parallel_options(const Skin& skin, const PlanOptions& options) {
   out.front.sample_mm = options.sample_mm > 0 ? options.sample_mm : W / 12;
   out.front.extension_step_mm = options.extension_step_mm;
   out.front.max_extension_mm = 10 * skin.diagonal();
-  out.geodesic.tolerance_mm = 1e-9;
+  out.geodesic.tolerance_mm = 1e-10;
   out.geodesic.outside_limit_mm = skin.diagonal();
   // Beside other faces the continuation of one face soon parts from that of the next. A face alone
   // goes on: extensions by half a band, rays from there far enough to come back.

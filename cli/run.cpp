@@ -7,10 +7,10 @@
 #include <future>
 #include <thread>
 
-#include "analysis/judge_ply.h"
 #include "cli/build_facts.h"
 #include "cli/commands.h"
 #include "cli/part_file.h"
+#include "cli/plan_plies.h"
 #include "cli/run_report.h"
 #include "cli/signals.h"
 #include "cli/terminal.h"
@@ -90,30 +90,6 @@ std::vector<InputRecord> input_records(const Arguments& arguments, const StepMod
         {"job", arguments.job, sha256_hex(read_file(arguments.job, any_size, ErrorCode::usage))});
   }
   return records;
-}
-
-// Plans all plies; a stop asked for, seen by the planner, becomes Stopped.
-std::vector<Ply> plan_plies(const Skin& skin, const std::vector<PlyOrientation>& orientations,
-                            const Arguments& arguments, const Job& job) {
-  ProgressBar bar(!arguments.quiet && !arguments.json);
-  std::vector<Ply> plies;
-  for (std::size_t i = 0; i < orientations.size(); ++i) {
-    const Progress progress = [&](const char* stage, double done) {
-      const std::string ply = orientations.size() > 1 ? "ply " + orientations[i].name + ", " : "";
-      bar.show(ply + stage, (static_cast<double>(i) + done) / static_cast<double>(orientations.size()));
-      return stop_signal() == 0;
-    };
-    try {
-      plies.push_back(plan_ply(skin, orientations[i], job.plan, progress));
-      JudgeOptions judge;
-      judge.band_width_mm = job.plan.band_width_mm();
-      judge_ply(skin, judge, plies.back());
-    } catch (const Interrupted&) {
-      throw Stopped{};
-    }
-    check_stop();
-  }
-  return plies;
 }
 
 void write_paths_step(OutputDirectory& output, const std::vector<StepWire>& wires) {

@@ -1,10 +1,10 @@
 #include "geometry/geodesic.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "geometry/curvature.h"
+#include "geometry/dormand_prince.h"
 
 namespace afptraj {
 namespace {
@@ -20,22 +20,29 @@ void unpack(const State& x, GeodesicState& g) {
 }
 
 /// The right-hand side: acceleration normal to the surface, and the Jacobi equation.
-State slope(const Surface& surface, const Span& span, const State& x) {
-  const SurfaceDerivatives d = surface.derivatives(span, Uv(x[0], x[1]));
+State slope(const SurfaceDerivatives& d, const State& x) {
   const Vec3 a = x[2] * x[2] * d.Suu + 2 * x[2] * x[3] * d.Suv + x[3] * x[3] * d.Svv;
-  const Uv acceleration = -tangent_to_uv(d, a);
-  return {x[2], x[3], acceleration.x(), acceleration.y(), x[5], -gaussian_curvature(d) * x[4]};
+  const Vec3 n = d.Su.cross(d.Sv);
+  const double E = d.Su.dot(d.Su), F = d.Su.dot(d.Sv), G = d.Sv.dot(d.Sv), det = E * G - F * F;
+  const double p = a.dot(d.Su), q = a.dot(d.Sv), r = 1 / det;
+  const double g = n.squaredNorm();  // det, but with less cancellation
+  const double L = d.Suu.dot(n), M = d.Suv.dot(n), N = d.Svv.dot(n);
+  const double curvature = g > 0 ? (L * N - M * M) / (g * g) : 0;
+  return {x[2], x[3], (F * q - G * p) * r, (F * p - E * q) * r, x[5], -curvature * x[4]};
 }
 
-// Dormand & Prince, RK5(4)7M.
-constexpr double A[7][6] = {{},
-                            {1. / 5},
-                            {3. / 40, 9. / 40},
-                            {44. / 45, -56. / 15, 32. / 9},
-                            {19372. / 6561, -25360. / 2187, 64448. / 6561, -212. / 729},
-                            {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
-                            {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
-constexpr double B4[7] = {5179. / 57600, 0, 7571. / 16695, 393. / 640, -92097. / 339200, 187. / 2100, 1. / 40};
+State slope(const Surface& surface, const Span& span, const State& x) {
+  return slope(surface.derivatives(span, Uv(x[0], x[1])), x);
+}
+
+/// The least s > 0 with velocity s + acceleration s^2 / 2 = way (way and velocity of one sign).
+double time_to(double way, double velocity, double acceleration) {
+  const double under = velocity * velocity + 2 * acceleration * way;
+  if (!(way * velocity > 0) || under < 0) return std::numeric_limits<double>::infinity();
+  return 2 * way / (velocity + std::copysign(std::sqrt(under), velocity));
+}
+
+double eighth_root(double x) { return std::sqrt(std::sqrt(std::sqrt(x))); }
 
 /// The jump of y' on crossing an edge: the curvature of a fold is concentrated on it, with weight
 /// k_A + k_B per length, the geodesic curvatures of the edge toward either side (Gauss-Bonnet). With
@@ -119,34 +126,36 @@ GeodesicState GeodesicTracer::start(const SurfacePoint& at, const Vec3& directio
   return g;
 }
 
+struct GeodesicTracer::Here {
+  SurfaceDerivatives d;
+  State slope;
+};
+
+GeodesicTracer::Here GeodesicTracer::look(const GeodesicState& g, const Span& span) const {
+  Here here;
+  here.d = skin_->face(g.at.face).surface.derivatives(span, g.at.uv);
+  here.slope = slope(here.d, pack(g));
+  return here;
+}
+
 /// One step of the piece's own polynomial; `error` is the estimate over the tolerance.
-bool GeodesicTracer::integrate(GeodesicState& g, const Span& span, double h, double* error) const {
+bool GeodesicTracer::integrate(GeodesicState& g, const Here& here, const Span& span, double h, double* error) const {
   const Surface& surface = skin_->face(g.at.face).surface;
-  const State x0 = pack(g);
-  State k[7];
-  State x = x0;
-  for (int stage = 0; stage < 7; ++stage) {
-    if (stage > 0) {
-      for (std::size_t i = 0; i < 6; ++i) {
-        double sum = 0;
-        for (int j = 0; j < stage; ++j) sum += A[stage][j] * k[j][i];
-        x[i] = x0[i] + h * sum;
-      }
-    }
-    k[stage] = slope(surface, span, x);
-  }
+  State e5, e3;
+  const auto f = [&](const State& at) { return slope(surface, span, at); };
+  const State x = dop853::step(pack(g), here.slope, h, f, error ? &e5 : nullptr, error ? &e3 : nullptr);
   for (double value : x)
     if (!std::isfinite(value)) return false;
   if (error) {
-    State e{};
-    for (std::size_t i = 0; i < 6; ++i)
-      for (int j = 0; j < 7; ++j) e[i] += h * ((j < 6 ? A[6][j] : 0) - B4[j]) * k[j][i];
-    const SurfaceDerivatives d = surface.derivatives(span, Uv(x[0], x[1]));
-    const double position = uv_to_tangent(d, Uv(e[0], e[1])).norm();
     // An error in direction acts over the rest of the way: short steps (near a pole) get no discount.
     const double lever = std::max(std::abs(h), lever_mm_);
-    const double direction = uv_to_tangent(d, Uv(e[2], e[3])).norm() * lever;
-    *error = std::max({position, direction, std::abs(e[4]), std::abs(e[5]) * lever}) / options_.tolerance_mm;
+    const auto size = [&](const State& e) {
+      const double position = uv_to_tangent(here.d, Uv(e[0], e[1])).norm();
+      const double direction = uv_to_tangent(here.d, Uv(e[2], e[3])).norm() * lever;
+      return std::abs(h) * std::max({position, direction, std::abs(e[4]), std::abs(e[5]) * lever});
+    };
+    const double of5 = size(e5), of3 = size(e3);
+    *error = of5 > 0 ? of5 * of5 / std::sqrt(of5 * of5 + 0.01 * of3 * of3) / options_.tolerance_mm : of5;
     if (!std::isfinite(*error)) return false;
   }
   unpack(x, g);
@@ -154,14 +163,68 @@ bool GeodesicTracer::integrate(GeodesicState& g, const Span& span, double h, dou
   return true;
 }
 
-/// Shortens a step that went through a side of the piece's box so that it ends on that side.
-void GeodesicTracer::land_on_box(GeodesicState& state, const GeodesicState& from, const Span& span, double& h) const {
+/// Moves a state by a small correction, at the least cost that is exact beside a step of length `scale`.
+bool GeodesicTracer::shift(GeodesicState& g, const Here& here, const Span& span, double by, double scale) const {
+  if (std::abs(by) > 0.01 * scale) return integrate(g, here, span, by, nullptr);
+  const Surface& surface = skin_->face(g.at.face).surface;
+  const auto f = [&](const State& at) { return slope(surface, span, at); };
+  const State x = std::abs(by) < 1e-8 ? dop853::tiny_step(pack(g), here.slope, by)
+                                      : dop853::short_step(pack(g), here.slope, by, f);
+  for (double value : x)
+    if (!std::isfinite(value)) return false;
+  unpack(x, g);
+  g.s_mm += by;
+  return true;
+}
+
+/// The side of the piece's box that the state is on its way to, by its acceleration: the length to it.
+double GeodesicTracer::way_to_box(const GeodesicState& g, const Here& here, const Uv& lo, const Uv& hi) const {
+  double first = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 2; ++k) {
+    const double side = g.duv[k] > 0 ? hi[k] : lo[k];
+    if (!std::isfinite(side)) continue;
+    first = std::min(first, time_to(side - g.at.uv[k], g.duv[k], here.slope[static_cast<std::size_t>(k) + 2]));
+  }
+  return first;
+}
+
+/// Lengthens or shortens a step that ended near a side of the piece's box or beyond it so that it ends on that side.
+void GeodesicTracer::land_on_box(GeodesicState& state, const GeodesicState& from, const Here& start, const Span& span,
+                                 double longest, double& h) const {
   Uv lo, hi;
   skin_->face(from.at.face).surface.span_box(span, lo, hi);
   const auto beyond = [&](const Uv& p, int axis) {
     return p[axis] < lo[axis] ? lo[axis] - p[axis] : p[axis] > hi[axis] ? p[axis] - hi[axis] : 0.0;
   };
-  if (beyond(state.at.uv, 0) <= 0 && beyond(state.at.uv, 1) <= 0) return;
+  const auto settle = [&](GeodesicState& g, int axis, double side, double& length) {
+    for (int i = 0; i < 5; ++i) {
+      const double miss = side - g.at.uv[axis];
+      if (std::abs(miss) <= 4e-16 * std::max(1.0, std::abs(side)) || g.duv[axis] == 0) break;
+      const Here here = look(g, span);
+      double correction = miss / g.duv[axis];
+      const double turn = here.slope[static_cast<std::size_t>(axis) + 2] * correction / g.duv[axis];
+      if (std::abs(turn) < 0.1) correction *= 1 - 0.5 * turn;
+      if (!(std::abs(correction) < std::abs(length) + 1e-9) || !shift(g, here, span, correction, h)) break;
+      length += correction;
+    }
+    g.at.uv[axis] = side;
+  };
+  if (beyond(state.at.uv, 0) <= 0 && beyond(state.at.uv, 1) <= 0) {
+    // Just short of the side: the rest belongs to this step.
+    for (int k = 0; k < 2; ++k) {
+      const double side = state.duv[k] > 0 ? hi[k] : lo[k];
+      const double rest = (side - state.at.uv[k]) / state.duv[k];
+      if (!(rest > 0 && rest < 0.02 * h && h + 2 * rest < longest)) continue;
+      GeodesicState landed = state;
+      double length = h;
+      settle(landed, k, side, length);
+      if (!landed.at.uv.allFinite() || beyond(landed.at.uv, 1 - k) > 0) continue;
+      state = landed;
+      h = length;
+      return;
+    }
+    return;
+  }
   // First side met by the cubic through both ends.
   const UvCubic path = UvCubic::hermite(from.at.uv, h * from.duv, state.at.uv, h * state.duv);
   double first = 1;
@@ -172,7 +235,7 @@ void GeodesicTracer::land_on_box(GeodesicState& state, const GeodesicState& from
     const double bound = state.at.uv[k] > hi[k] ? hi[k] : lo[k];
     double a = 0, b = 1;
     const double sign = state.at.uv[k] > hi[k] ? 1 : -1;
-    for (int i = 0; i < 40; ++i) {
+    for (int i = 0; i < 20; ++i) {
       const double m = 0.5 * (a + b);
       (sign * (path.point(m)[k] - bound) > 0 ? b : a) = m;
     }
@@ -182,18 +245,14 @@ void GeodesicTracer::land_on_box(GeodesicState& state, const GeodesicState& from
       side = bound;
     }
   }
-  h *= first;
-  state = from;
-  integrate(state, span, h, nullptr);
-  for (int i = 0; i < 4; ++i) {
-    const double miss = side - state.at.uv[axis];
-    if (std::abs(miss) <= 4e-16 * std::max(1.0, std::abs(side)) || state.duv[axis] == 0) break;
-    const double correction = miss / state.duv[axis];
-    if (!(std::abs(correction) < std::abs(h) + 1e-9)) break;
-    integrate(state, span, correction, nullptr);
-    h += correction;
+  double length = h;
+  if (first < 0.99) {
+    length = h * first;
+    state = from;
+    integrate(state, start, span, length, nullptr);
   }
-  state.at.uv[axis] = side;
+  settle(state, axis, side, length);
+  h = length;
 }
 
 /// On a knot line: takes the next piece and carries the tangent over.
@@ -290,8 +349,8 @@ bool GeodesicTracer::relocate(GeodesicState& state) const {
   return true;
 }
 
-GeodesicTracer::Crossing GeodesicTracer::cross_loops(GeodesicState& state, const GeodesicState& from, Span& span,
-                                                     double& h) const {
+GeodesicTracer::Crossing GeodesicTracer::cross_loops(GeodesicState& state, const GeodesicState& from,
+                                                     const Here& start, Span& span, double& h) const {
   const int face = from.at.face;
   const TrimRegion& trim = skin_->trim(face);
   const UvCubic path = UvCubic::hermite(from.at.uv, h * from.duv, state.at.uv, h * state.duv);
@@ -302,8 +361,9 @@ GeodesicTracer::Crossing GeodesicTracer::cross_loops(GeodesicState& state, const
   // Walk again, to the crossing, and polish it: path(s) = pcurve(t).
   const Coedge& coedge = skin_->coedge(use);
   GeodesicState at = from;
+  const double whole = h;
   h *= hit->x;
-  if (!integrate(at, span, h, nullptr)) return Crossing::singular;
+  if (!shift(at, start, span, h, whole)) return Crossing::singular;
   double t = hit->t;
   for (int i = 0; i < 5; ++i) {
     const auto c = coedge.pcurve.derivatives(t);
@@ -313,7 +373,7 @@ GeodesicTracer::Crossing GeodesicTracer::cross_loops(GeodesicState& state, const
     const Eigen::Vector2d step = J.partialPivLu().solve(r);
     if (!step.allFinite() || std::abs(step.x()) > 1 + 0.5 * std::abs(h)) break;
     t = std::clamp(t + step.y(), coedge.pcurve.first(), coedge.pcurve.last());
-    if (!integrate(at, span, step.x(), nullptr)) return Crossing::singular;
+    if (!shift(at, look(at, span), span, step.x(), whole)) return Crossing::singular;
     h += step.x();
     if (std::abs(step.x()) < 1e-12) break;
   }
@@ -392,13 +452,16 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
   const double least = 1e-13 * skin_->diagonal();
   bool verify = false;
   int idle = 0;
+  Here here;
+  bool looked = false;
   while (remaining > least) {
+    if (!looked) here = look(state, span);
+    looked = false;
     double step = std::min({h, remaining, longest});
     if (state.outside) step = std::min(step, std::max(1.0, 0.02 * skin_->diagonal()));
     if (!poles_[static_cast<std::size_t>(state.at.face)].empty() && !state.outside) {
-      const SurfaceDerivatives d = skin_->derivatives(state.at);
       double distance = 0, miss = 0;
-      if (const Pole* pole = approached_pole(state, d, distance, miss)) {
+      if (const Pole* pole = approached_pole(state, here.d, distance, miss)) {
         if (distance <= 2 * pole_radius_mm_) {
           double walked = 0;
           const Crossing hop = hop_pole(state, *pole, walked);
@@ -412,23 +475,27 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
         step = std::min(step, std::max(distance - pole_radius_mm_, 0.5 * pole_radius_mm_));
       }
     }
+    Uv lo, hi;
+    skin_->face(state.at.face).surface.span_box(span, lo, hi);
+    if (const double exit = way_to_box(state, here, lo, hi); exit > least) step = std::min(step, exit);
     const GeodesicState from = state;
     double error = 0;
-    if (!integrate(state, span, step, &error) || error > 1) {
+    if (!integrate(state, here, span, step, &error) || error > 1) {
       state = from;
-      h = step * (std::isfinite(error) && error > 1 ? std::clamp(0.9 * std::pow(error, -0.2), 0.1, 0.9) : 0.1);
+      looked = true;
+      h = step * (std::isfinite(error) && error > 1 ? std::clamp(0.9 / eighth_root(error), 0.1, 0.9) : 0.1);
       if (h < 1e-12 * skin_->diagonal()) return TraceEnd::singular;
       continue;
     }
-    const double grown = step * std::clamp(0.9 * std::pow(std::max(error, 1e-10), -0.2), 0.5, 5.0);
+    const double grown = step * std::clamp(0.9 / eighth_root(std::max(error, 1e-10)), 0.5, 5.0);
     double taken = step;
-    land_on_box(state, from, span, taken);
-    const Crossing crossing = cross_loops(state, from, span, taken);
+    land_on_box(state, from, here, span, std::min(remaining, 2 * step), taken);
+    const Crossing crossing = cross_loops(state, from, here, span, taken);
     remaining -= taken;
     if (crossing == Crossing::left) return TraceEnd::left;
     if (crossing == Crossing::singular) return TraceEnd::singular;
     // A step cut short by a knot or an edge says nothing about the next one's length.
-    h = std::max(grown, taken < step ? std::min(h, step) : grown);
+    h = step < h || taken < step ? std::max(grown, h) : grown;
     state.step_mm = h;
     if (crossing == Crossing::moved) {
       verify = !state.outside;
