@@ -36,6 +36,24 @@ bool same_chart(const Skin& skin, const SteppedPoint& p, const SteppedPoint& q) 
   return along < 1.5 * (q.position - p.position).norm() + 1e-9;
 }
 
+/// Where the straight way over the surface from p to q crosses a line on which the parametrisation is only
+/// continuous, from a guess on it: as far along the line as both sides laid flat say. A segment in (u, v) crosses it
+/// elsewhere, as the speeds of the parametrisation on the two sides differ.
+Uv straight_crossing(const Surface& surface, const CreaseCrossing& crease, Uv uv, const Vec3& p, const Vec3& q) {
+  const int along = 1 - crease.axis;
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const SurfaceDerivatives d = surface.derivatives(uv);
+    const Vec3 line = along == 0 ? d.Su : d.Sv;
+    const Vec3 e = line.normalized(), to_p = p - d.S, to_q = q - d.S;
+    const double off_p = to_p.cross(e).norm(), off_q = to_q.cross(e).norm();
+    const double move = (to_p.dot(e) * off_q + to_q.dot(e) * off_p) / (off_p + off_q);
+    if (!std::isfinite(move / line.norm())) break;
+    uv[along] += move / line.norm();
+    if (std::abs(move) < 1e-9) break;
+  }
+  return uv;
+}
+
 /// Follows the segment p -> q over edges to q's chart; at most a few faces lie between.
 std::vector<Passage> passages(const Skin& skin, const SteppedPoint& p, const SteppedPoint& q) {
   std::vector<Passage> out;
@@ -53,6 +71,7 @@ std::vector<Passage> passages(const Skin& skin, const SteppedPoint& p, const Ste
     if (crease && (!hit || crease->x < hit->x)) {
       Uv uv = at.uv + crease->x * (path.point(1) - at.uv);
       uv[crease->axis] = crease->value;
+      uv = straight_crossing(surface, *crease, uv, d.S, q.position);
       out.push_back({{at.face, uv}, {at.face, uv}, skin.normal(at).dot(carried) >= 0 ? 1 : -1});
       at.uv = uv;
       SteppedPoint here{at, skin.point(at), Vec3::Zero(), 1, 0};
@@ -190,6 +209,7 @@ struct Site {
 /// Sine of the angle between the curve's end and a wanted tangent.
 struct TangentResidual {
   const Face* face;
+  Span span;  ///< the run's side, where the end stands on a line of mere continuity
   Site site;
   Vec3 tangent;
   double weight;
@@ -200,7 +220,7 @@ struct TangentResidual {
       c += site.basis[0][k] * Uv(poles[k][0], poles[k][1]);
       d1 += site.basis[1][k] * Uv(poles[k][0], poles[k][1]);
     }
-    const SurfaceDerivatives d = face->surface.derivatives(c);
+    const SurfaceDerivatives d = face->surface.derivatives(span, c);
     const Vec3 n = unit_normal(d);
     const Vec3 velocity = uv_to_tangent(d, d1);
     const Vec3 wanted = (tangent - tangent.dot(n) * n).normalized();
@@ -283,12 +303,13 @@ BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& option
     block(pole)[1] = uv.y();
     problem.SetParameterBlockConstant(block(pole));
     if (run.tangent[end].isZero()) continue;
+    const Span span = face.surface.span_at(uv, (end == 0 ? run.uv[1] : run.uv[run.uv.size() - 2]) - uv);
     const double t = end == 0 ? run.t.front() : run.t.back();
     const Site site = site_at(curve, t);
     const int k = site.span - 3;
     problem.AddResidualBlock(
         new ceres::NumericDiffCostFunction<TangentResidual, ceres::CENTRAL, 1, 2, 2, 2, 2>(
-            new TangentResidual{&face, site, run.tangent[end], 1e4}),
+            new TangentResidual{&face, span, site, run.tangent[end], 1e4}),
         nullptr, block(k), block(k + 1), block(k + 2), block(k + 3));
   }
   ceres::Solver::Options solver;
