@@ -172,7 +172,30 @@ TEST(Parallels, FollowTheTrueDistanceWhereFrontsFold) {
   EXPECT_GT(checked, 2000);
 }
 
-// A front ends inside the skin only where it meets another: both end at one point, to the solver's accuracy.
+/// A front ends inside the skin only where it meets another: both end at one point. Returns how many ends lie inside.
+int expect_ends_inside_in_pairs(const Skin& skin, const Parallels& parallels) {
+  int count = 0;
+  for (const LevelCurve& level : parallels.levels) {
+    std::vector<Vec3> ends;
+    for (const LevelCurve& other : parallels.levels)  // fronts of both sides may meet
+      if (std::abs(other.number) == std::abs(level.number))
+        for (const SurfaceCurve& curve : other.curves) {
+          if (curve.closed) continue;
+          for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()})
+            if (skin.trim(node->at.face).contains(node->at.uv)) ends.push_back(skin.point(node->at));
+        }
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      double nearest = 1e300;
+      for (std::size_t j = 0; j < ends.size(); ++j)
+        if (j != i) nearest = std::min(nearest, (ends[j] - ends[i]).norm());
+      EXPECT_LT(nearest, 1e-6) << "course " << level.number << " ends at " << ends[i].transpose();
+      ++count;
+    }
+  }
+  return count;
+}
+
+// To the solver's accuracy.
 TEST(Parallels, EndInsideOnlyInPairs) {
   const Skin bumpy = make_bumpy_skin();
   const Skin tube = make_skin(Surface::cylinder({}, 350), {0, 2 * pi}, {0, 1000});
@@ -180,29 +203,65 @@ TEST(Parallels, EndInsideOnlyInPairs) {
   const auto helix = std::make_shared<const SplinePath>(
       tube, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, line_segment(Uv(1, 0), Uv(1 + turn, 1000), 0, 1000 * std::sqrt(2.0))}},
       false);
-  int pairs = 0;
-  const auto check = [&](const Skin& skin, const Parallels& parallels) {
-    for (const LevelCurve& level : parallels.levels) {
-      std::vector<Vec3> ends;
-      for (const LevelCurve& other : parallels.levels)  // fronts of both sides may meet
-        if (std::abs(other.number) == std::abs(level.number))
-          for (const SurfaceCurve& curve : other.curves) {
-            if (curve.closed) continue;
-            for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()})
-              if (skin.trim(node->at.face).contains(node->at.uv)) ends.push_back(skin.point(node->at));
-          }
-      for (std::size_t i = 0; i < ends.size(); ++i) {
-        double nearest = 1e300;
-        for (std::size_t j = 0; j < ends.size(); ++j)
-          if (j != i) nearest = std::min(nearest, (ends[j] - ends[i]).norm());
-        EXPECT_LT(nearest, 1e-6) << "course " << level.number << " ends at " << ends[i].transpose();
-        ++pairs;
-      }
-    }
-  };
-  check(bumpy, geodesic_parallels(bumpy, uv_line(bumpy, Uv(0, 0.5), Uv(1, 0.45)), options_for(bumpy)));
-  check(tube, geodesic_parallels(tube, helix, options_for(tube)));
-  EXPECT_GT(pairs, 10);
+  int ends = expect_ends_inside_in_pairs(
+      bumpy, geodesic_parallels(bumpy, uv_line(bumpy, Uv(0, 0.5), Uv(1, 0.45)), options_for(bumpy)));
+  ends += expect_ends_inside_in_pairs(tube, geodesic_parallels(tube, helix, options_for(tube)));
+  EXPECT_GT(ends, 10);
+}
+
+// The parallel at d of a parabola of least radius r < d meets itself on the axis, (d^2 / r + r) / 2 above the apex,
+// where the Jacobi field is 1 - (r / d)^2: it is cut there however young the swallowtail.
+TEST(Parallels, MeetThemselvesJustBeyondAFocalPoint) {
+  const Skin skin = make_skin(Surface::plane({}), {-300, 300}, {-100, 600});
+  const double r = 200;
+  for (const double d : {r + 0.2, r + 2.0}) {
+    BSplineCurve2 parabola{2, {-300, -300, -300, 300, 300, 300}, {}, {}};
+    parabola.poles = {Uv(-300, 300 * 300 / (2 * r)), Uv(0, -300 * 300 / (2 * r)), Uv(300, 300 * 300 / (2 * r))};
+    ParallelOptions options = options_for(skin);
+    options.front.spacing_mm = d / 4;
+    const Parallels p = geodesic_parallels(
+        skin, std::make_shared<const SplinePath>(skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, parabola}}, false), options);
+    expect_ends_inside_in_pairs(skin, p);
+    const Vec3 meeting(0, 0.5 * (d * d / r + r), 0);
+    int ends = 0;
+    for (const LevelCurve& level : p.levels)
+      if (level.number == 4)
+        for (const SurfaceCurve& curve : level.curves)
+          for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()})
+            if ((skin.point(node->at) - meeting).norm() < 1e-6) ++ends;
+    EXPECT_EQ(ends, 2) << d;
+  }
+}
+
+// A course that comes back from a tight turn by 120 degrees ends at the edge so soon that the turn sweeps all that
+// its own rays reach: the next course must end where the continuation of that one crosses it, not beyond.
+TEST(Parallels, EndWhereACourseThatLeftTheSkinGoesOn) {
+  const Skin skin = make_skin(Surface::plane({}), {-6 * W, 2 * W}, {-2 * W, 1.1 * W});
+  const Uv back(-0.5, std::sqrt(0.75));
+  const double before = 6 * W, after = 1.1 * W / back.y();
+  BSplineCurve2 turn{3, {}, {}, {}};
+  for (int i = 0; i < 3; ++i) turn.knots.push_back(-before);
+  const int spans = 80;
+  for (int i = 0; i <= spans; ++i) turn.knots.push_back(-before + (before + after) * i / spans);
+  for (int i = 0; i < 3; ++i) turn.knots.push_back(after);
+  for (std::size_t i = 0; i + 4 < turn.knots.size(); ++i) {
+    const double s = (turn.knots[i + 1] + turn.knots[i + 2] + turn.knots[i + 3]) / 3;
+    turn.poles.emplace_back(s < 0 ? Uv(s, 0) : Uv(s * back));
+  }
+  ParallelOptions options = options_for(skin);
+  options.geodesic.outside_limit_mm = 0;
+  options.geodesic.margin_mm = options.front.extension_margin_mm = 8;
+  const Parallels p = geodesic_parallels(
+      skin, std::make_shared<const SplinePath>(skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, turn}}, false), options);
+  expect_ends_inside_in_pairs(skin, p);
+  const Vec3 meeting(-std::sqrt(3.0) * W, W, 0);  // W from both straight lines
+  int ends = 0;
+  for (const LevelCurve& level : p.levels)
+    if (level.number == 1)
+      for (const SurfaceCurve& curve : level.curves)
+        for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()})
+          if ((skin.point(node->at) - meeting).norm() < 1e-6) ++ends;
+  EXPECT_EQ(ends, 2);
 }
 
 }  // namespace

@@ -220,5 +220,30 @@ TEST(PathFit, KeepsTheEndsAndTheOrder) {
             fit.spline_mm + 1e-6);
 }
 
+// A plane in strips of 8 to 30 mm, each with the same range of v: the speed of v jumps from one to the next. A straight
+// path that crosses the lines between at 5 degrees stays straight.
+TEST(PathFit, KeepsAStraightPathStraightOverLinesOfMereContinuity) {
+  BSplineSurface s;
+  s.degree_u = 1;
+  s.degree_v = 3;
+  s.knots_u = {0, 0, 1, 1};
+  const std::vector<double> lines = {0, 10, 40, 48, 73};
+  s.knots_v.push_back(0);
+  for (std::size_t k = 0; k < lines.size(); ++k) s.knots_v.insert(s.knots_v.end(), 3, static_cast<double>(k));
+  s.knots_v.push_back(static_cast<double>(lines.size() - 1));
+  for (const double y : {0.0, 700.0})
+    for (std::size_t k = 0; k + 1 < lines.size(); ++k)
+      for (int j = k == 0 ? 0 : 1; j <= 3; ++j) s.poles.emplace_back(lines[k] + j * (lines[k + 1] - lines[k]) / 3, y, 0);
+  const Skin skin = make_skin(Surface::bspline(s), {0, 1}, {0, 4});
+  const double angle = 5 * pi / 180;
+  const SteppedPath stepped =
+      path_beside_geodesic(skin, Uv(0.01, 0.3), Vec3(std::sin(angle), std::cos(angle), 0), 650, [](double) { return 0.0; });
+  const PathFit fit = fit_path(skin, stepped, with_fairness(1e-3));
+  double worst = 0;
+  for (double t = fit.path->first(); t < fit.path->last(); t += 0.1)
+    worst = std::max(worst, std::abs(fit.path->at(t).kg_per_mm));
+  EXPECT_LT(worst, 1e-6);
+}
+
 }  // namespace
 }  // namespace afptraj

@@ -308,6 +308,20 @@ bool passes(const Skin& skin, const std::vector<GeodesicState>& states, double u
 
 }  // namespace
 
+void Front::lead_out(int level, const LaidCurves& laid, int& next_link) {
+  const std::size_t count = strands_.size();
+  for (std::size_t i = 0; i < count; ++i)
+    for (int e = 0; e < 2; ++e) {
+      if (strands_[i].end[e] != StrandEnd::open) continue;
+      const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
+      if (end.state.outside || !too_near(frame_of(skin(), end.state), laid)) continue;
+      const std::vector<GeodesicState> states = way_out(end, e == 0, laid);
+      if (states.size() < 2) continue;
+      strands_.push_back(extension_strand(states, e == 0, level));
+      join(strands_[i], e, strands_.back(), next_link++);
+    }
+}
+
 void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link) {
   const std::size_t count = strands_.size();
   std::vector<std::vector<GeodesicState>> made;
@@ -322,21 +336,29 @@ void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current,
       const std::vector<GeodesicState> states = extension(end, e == 0, level, laid, current, made, &stopped);
       if (states.size() < 2) continue;
       if (level == 0) made.push_back(states);
-      const bool backward = e == 0;
-      Strand extension;
-      extension.source = add_source(std::make_shared<GeodesicPath>(*tracer_, states, backward), level);
-      for (const GeodesicState& s : states)
-        extension.rays.push_back(shoot(extension.source, backward ? -s.s_mm : s.s_mm, level, nullptr));
-      if (backward) std::reverse(extension.rays.begin(), extension.rays.end());
-      refine(extension, level);
-      extension.end[backward ? 1 : 0] = StrandEnd::linked;
-      extension.end[backward ? 0 : 1] = stopped ? StrandEnd::stopped : StrandEnd::open;
-      extension.link[backward ? 1 : 0] = next_link;
-      extension.fresh_end = backward ? 1 : 0;
-      strands_[i].end[e] = StrandEnd::linked;
-      strands_[i].link[e] = next_link++;
+      Strand extension = extension_strand(states, e == 0, level);
+      if (stopped) extension.end[e] = StrandEnd::stopped;
+      extension.fresh_end = 1 - e;
       strands_.push_back(std::move(extension));
+      join(strands_[i], e, strands_.back(), next_link++);
     }
+}
+
+/// The rays of a geodesic that goes on from the end of a strand, back from its first point or forward.
+Strand Front::extension_strand(const std::vector<GeodesicState>& states, bool backward, int level) {
+  Strand out;
+  out.source = add_source(std::make_shared<GeodesicPath>(*tracer_, states, backward), level);
+  for (const GeodesicState& s : states)
+    out.rays.push_back(shoot(out.source, backward ? -s.s_mm : s.s_mm, level, nullptr));
+  if (backward) std::reverse(out.rays.begin(), out.rays.end());
+  refine(out, level);
+  return out;
+}
+
+/// Links end `e` of a strand with the other end of the strand that goes on there.
+void Front::join(Strand& strand, int e, Strand& next, int link) {
+  strand.end[e] = next.end[1 - e] = StrandEnd::linked;
+  strand.link[e] = next.link[1 - e] = link;
 }
 
 /// Whether a curve of this level on this side passes behind, nearer than W.
@@ -345,16 +367,38 @@ bool Front::runs_ahead(const PathFrame& at, const LaidCurves& current) const {
   return rival && side_ * rival->foot.distance_mm > 1e-3;
 }
 
+GeodesicState Front::onward(const Ray& end, bool backward) const {
+  const PathFrame frame = frame_of(skin(), end.state);
+  const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
+  GeodesicState g = extension_tracer_.start(end.state.at, backward ? Vec3(-level_tangent) : level_tangent,
+                                            end.state.normal_sign, 1, 0, end.state.outside);
+  g.in_hole = end.state.in_hole;
+  return g;
+}
+
+/// The geodesic on from an end within what has been swept until it leaves the skin; nothing where it does not come
+/// out of the swept within W.
+std::vector<GeodesicState> Front::way_out(const Ray& end, bool backward, const LaidCurves& laid) const {
+  GeodesicState g = onward(end, backward);
+  std::vector<GeodesicState> states = {g};
+  const double step = std::min(options_.extension_step_mm, options_.sample_mm);
+  bool out = false;
+  while (g.s_mm < options_.spacing_mm) {
+    if (extension_tracer_.advance(g, step) != TraceEnd::reached) break;
+    states.push_back(g);
+    const bool swept = too_near(frame_of(skin(), g), laid);
+    if (g.outside || (out && swept)) break;
+    out = out || !swept;
+  }
+  if (!out) states.clear();
+  return states;
+}
+
 /// The geodesic on from an end of a strand, in states a step apart.
 std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
                                             const LaidCurves& current,
                                             const std::vector<std::vector<GeodesicState>>& made, bool* stopped) const {
-  const PathFrame frame = frame_of(skin(), end.state);
-  const Vec3 level_tangent = side_ * frame.tangent.cross(frame.normal);
-  GeodesicState g =
-      extension_tracer_.start(end.state.at, backward ? Vec3(-level_tangent) : level_tangent, end.state.normal_sign, 1, 0,
-                              end.state.outside);
-  g.in_hole = end.state.in_hole;
+  GeodesicState g = onward(end, backward);
   std::vector<GeodesicState> states = {g};
   const double step = std::min(options_.extension_step_mm, options_.sample_mm);
   int too_near_steps = 0;

@@ -91,6 +91,11 @@ class Front {
   /// Walks all rays from `level` - 1 to `level`, ends strands where rays left the skin, refines.
   void advance(int level);
 
+  /// Before the front is trimmed: goes on past open ends inside the skin that lie within what has been swept,
+  /// where the way on leads out of it within W. The last ray of a curve that ends at the boundary may cross another
+  /// front, which ends there only if something goes on beyond.
+  void lead_out(int level, const LaidCurves& laid, int& next_link);
+
   /// Goes on past the open ends inside the skin until the path leaves it, winds round, comes nearer
   /// than W to a curve of a lower level (`laid`), or runs ahead of another curve of this level on the
   /// same side (`current`), which will lay that place itself. What of it holds is for trim_fronts to say.
@@ -106,6 +111,10 @@ class Front {
  private:
   std::vector<Strand> alive_runs(const Strand& strand, const std::vector<char>& alive, int level) const;
   void split_where_rays_part(Strand strand, std::vector<Strand>& out) const;
+  Strand extension_strand(const std::vector<GeodesicState>& states, bool backward, int level);
+  static void join(Strand& strand, int e, Strand& next, int link);
+  GeodesicState onward(const Ray& end, bool backward) const;
+  std::vector<GeodesicState> way_out(const Ray& end, bool backward, const LaidCurves& laid) const;
   bool too_near(const PathFrame& at, const LaidCurves& laid) const;
   std::vector<GeodesicState> extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
                                        const LaidCurves& current,

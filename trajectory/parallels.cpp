@@ -82,7 +82,10 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
     }
     if (progress && !progress(level)) break;
     const std::array<Front*, 2> both = {&left, &right};
-    for (Front* front : both) front->advance(level);
+    for (Front* front : both) {
+      front->advance(level);
+      front->lead_out(level, laid, next_link);
+    }
     trim_fronts(both, level, laid);
     for (Front* front : both) front->extend(level, laid, curves_of(tracer, *front, level, options), next_link);
     trim_fronts(both, level, laid);

@@ -72,6 +72,7 @@ struct Site {
 struct TangentResidual {
   const Skin* skin;
   const PathChart* chart;
+  Uv inward;  ///< to the run's side, where the end stands on a crease
   Site site;
   Vec3 tangent;
   double weight;
@@ -82,7 +83,7 @@ struct TangentResidual {
       c += site.basis[0][k] * Uv(poles[k][0], poles[k][1]);
       d1 += site.basis[1][k] * Uv(poles[k][0], poles[k][1]);
     }
-    const SurfaceDerivatives d = chart->place(*skin, c).d;
+    const SurfaceDerivatives d = chart->place(*skin, c, inward).d;
     const Vec3 n = unit_normal(d);
     const Vec3 velocity = uv_to_tangent(d, d1);
     const Vec3 wanted = (tangent - tangent.dot(n) * n).normalized();
@@ -164,12 +165,13 @@ BSplineCurve2 fit_run(const Skin& skin, const Run& run, const FitOptions& option
     block(pole)[1] = at.y();
     problem.SetParameterBlockConstant(block(pole));
     if (run.tangent[end].isZero()) continue;
+    const Uv inward = (end == 0 ? run.at[1] : run.at[run.at.size() - 2]) - at;
     const double t = end == 0 ? run.t.front() : run.t.back();
     const Site site = site_at(curve, t);
     const int k = site.span - 3;
     problem.AddResidualBlock(
         new ceres::NumericDiffCostFunction<TangentResidual, ceres::CENTRAL, 1, 2, 2, 2, 2>(
-            new TangentResidual{&skin, &run.chart, site, run.tangent[end], 1e4}),
+            new TangentResidual{&skin, &run.chart, inward, site, run.tangent[end], 1e4}),
         nullptr, block(k), block(k + 1), block(k + 2), block(k + 3));
   }
   ceres::Solver::Options solver;

@@ -41,15 +41,23 @@ UvCubic cubic_between(const Surface& surface, const Uv& a, const Uv& b, const Ve
   return UvCubic::hermite(a, start, b, end);
 }
 
-/// Where a cubic meets a coordinate line that lies between its ends.
-double meet_line(const UvCubic& path, int axis, double value) {
-  double lo = 0, hi = 1;
-  const bool rises = path.point(1)[axis] > path.point(0)[axis];
-  for (int i = 0; i < 60; ++i) {
-    const double x = 0.5 * (lo + hi);
-    ((path.point(x)[axis] < value) == rises ? lo : hi) = x;
+/// Where the straight way over the surface from p to q crosses a line on which the parametrisation is only
+/// continuous, from a guess on it: as far along the line as both sides laid flat say. A curve in (u, v) crosses
+/// it elsewhere, as the speeds of the parametrisation on the two sides differ.
+Uv straight_crossing(const Surface& surface, const CreaseCrossing& crease, Uv uv, const Vec3& p, const Vec3& q) {
+  const int along = 1 - crease.axis;
+  uv[crease.axis] = crease.value;
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const SurfaceDerivatives d = surface.derivatives(uv);
+    const Vec3 line = along == 0 ? d.Su : d.Sv;
+    const Vec3 e = line.normalized(), to_p = p - d.S, to_q = q - d.S;
+    const double off_p = to_p.cross(e).norm(), off_q = to_q.cross(e).norm();
+    const double move = (to_p.dot(e) * off_q + to_q.dot(e) * off_p) / (off_p + off_q);
+    if (!std::isfinite(move / line.norm())) break;
+    uv[along] += move / line.norm();
+    if (std::abs(move) < 1e-9) break;
   }
-  return 0.5 * (lo + hi);
+  return uv;
 }
 
 /// Follows the path from p to q, where it has the directions `from` and `to`, over edges to q's chart; at
@@ -68,23 +76,23 @@ std::vector<Passage> passages(const Skin& skin, const SteppedPoint& p, const Ste
     const UvCubic path = cubic_between(surface, at.uv, foot ? *foot : seed, from, to);
     const auto hit = skin.trim(at.face).first_crossing(path, true);
     const auto crease = crease_between(surface, at.uv, path.point(1));
-    const double at_crease = crease ? meet_line(path, crease->axis, crease->value) : 1;
-    const double x = hit ? std::min(hit->x, at_crease) : at_crease;
     Passage passage;
-    passage.tangent = from =
-        uv_to_tangent(surface.derivatives(path.point(x)), path.derivative(x)).normalized();
-    if (crease && (!hit || at_crease < hit->x)) {
-      Uv uv = path.point(x);
-      uv[crease->axis] = crease->value;
+    if (crease && (!hit || crease->x < hit->x)) {
+      const Uv uv = straight_crossing(surface, *crease, at.uv + crease->x * (path.point(1) - at.uv), d.S, q.position);
+      const Vec3 x = surface.point(uv);
+      const double before = (x - d.S).norm(), after = (q.position - x).norm();
+      passage.tangent = (after * from + before * to).normalized();
       passage.out = passage.in = {at.face, uv};
     } else if (hit) {
       const EdgeUse use{at.face, hit->loop, hit->coedge};
       if (!skin.mate(use)) return {};
+      passage.tangent = uv_to_tangent(surface.derivatives(path.point(hit->x)), path.derivative(hit->x)).normalized();
       passage.out = {at.face, hit->uv};
       passage.in = skin.across(use, hit->t, surface.point(hit->uv));
     } else {
       return {};
     }
+    from = passage.tangent;
     const Vec3 n = skin.normal(passage.in);
     passage.normal_sign = n.dot(carried) >= 0 ? 1 : -1;
     if (!n.isZero()) carried = passage.normal_sign * n;

@@ -7,12 +7,13 @@
 
 namespace afptraj {
 
-GeodesicChart::Place PathChart::place(const Skin& skin, const Uv& at) const {
+GeodesicChart::Place PathChart::place(const Skin& skin, const Uv& at, const Uv& inward) const {
   if (about) return about->place(at);
   GeodesicChart::Place out;
   out.at = {face, at};
   out.normal_sign = normal_sign;
-  out.d = skin.derivatives(out.at);
+  const Surface& surface = skin.face(face).surface;
+  out.d = surface.derivatives(surface.span_at(at, inward), at);
   out.normal = (skin.face(face).reversed ? -normal_sign : normal_sign) * unit_normal(out.d);
   return out;
 }
@@ -27,7 +28,8 @@ SourceCurve::Frame SplinePath::at(double t) const {
     if (t <= candidate.curve.last()) break;
   }
   const auto c = piece->curve.derivatives(std::clamp(t, piece->curve.first(), piece->curve.last()));
-  const GeodesicChart::Place place = piece->chart.place(*skin_, c.c);
+  const bool in_first_half = t - piece->curve.first() < piece->curve.last() - t;
+  const GeodesicChart::Place place = piece->chart.place(*skin_, c.c, in_first_half ? c.d1 : Uv(-c.d1));
   const Vec3 velocity = uv_to_tangent(place.d, c.d1);
   Frame out;
   out.at = place.at;

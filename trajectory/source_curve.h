@@ -32,7 +32,8 @@ struct PathChart {
   int normal_sign = 1;
   std::shared_ptr<const GeodesicChart> about;
 
-  GeodesicChart::Place place(const Skin& skin, const Uv& at) const;
+  /// `inward`: to which side of a crease, where `at` stands on one.
+  GeodesicChart::Place place(const Skin& skin, const Uv& at, const Uv& inward = Uv::Zero()) const;
 };
 
 /// B-splines, one per chart, over one common parameter: the fitted reference path.

@@ -141,7 +141,7 @@ class Trimmer {
     return reached;
   }
 
-  /// Rays short of a focal point. A Jacobi field that comes close to zero and grows again is none.
+  /// Rays short of a focal point. A Jacobi field that comes close to zero and does not change its sign has none.
   static std::vector<char> short_of_focal(const Strand& strand) {
     const std::size_t n = strand.rays.size();
     std::vector<char> out(n);
@@ -149,7 +149,7 @@ class Trimmer {
     for (std::size_t i = 0; i < n;) {
       std::size_t j = i;
       while (j < n && !out[j] && strand.rays[j].state.y > 0) ++j;
-      if (j > i && i > 0 && j < n && out[j])
+      if (j > i && (i == 0 || out[i - 1]) && (j == n || out[j]))
         std::fill(out.begin() + static_cast<std::ptrdiff_t>(i), out.begin() + static_cast<std::ptrdiff_t>(j),
                   1);
       i = std::max(j, i + 1);
@@ -158,12 +158,26 @@ class Trimmer {
     return out;
   }
 
+  /// Whether the branch on one side of a focal point ends at a meeting before it comes there: `in` is the last
+  /// ray short of it, ray `next` the first that is not. The nearer the focal point, the younger the swallowtail.
+  static bool meets_first(const Strand& strand, std::size_t in, std::size_t next, const std::vector<Cut>& cuts) {
+    const bool forward = next > in;
+    const auto& rays = strand.rays;
+    std::size_t last = next;  // the first ray beyond the focal point
+    while (rays[last].state.y > 0 && (forward ? last + 1 < rays.size() : last > 0)) forward ? ++last : --last;
+    return std::any_of(cuts.begin(), cuts.end(), [&](const Cut& cut) {
+      return cut.meeting >= 0 && (forward ? cut.before : cut.after) && (cut.ray.t > rays[in].t) == forward &&
+             (cut.ray.t < rays[last].t) == forward;
+    });
+  }
+
   /// Focal points: between rays whose Jacobi field changes from good to bad.
   void cut_at_cusps(const Front& front, const Strand& strand, std::vector<Cut>& cuts) const {
     const std::vector<char> fine = short_of_focal(strand);
     for (std::size_t i = 0; i + 1 < strand.rays.size(); ++i) {
       const bool good = fine[i];
       if (good == static_cast<bool>(fine[i + 1])) continue;
+      if (good ? meets_first(strand, i, i + 1, cuts) : meets_first(strand, i + 1, i, cuts)) continue;
       Ray in = good ? strand.rays[i] : strand.rays[i + 1], out = good ? strand.rays[i + 1] : strand.rays[i];
       for (int k = 0; k < 60 && std::abs(in.t - out.t) > 1e-9; ++k) {
         bool alive = false;

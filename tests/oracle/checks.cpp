@@ -54,6 +54,13 @@ double facing_cosine(const Skin& skin, const std::vector<double>& senses, const 
   return sense * (skin.jet(p.face, p.u, p.v).normal() * c.n);
 }
 
+// The way over the skin from a chord: exact on spheres, where arc / chord = (a / 2) / sin(a / 2) for
+// normals that differ by a.
+double arc_of(double chord, double cosine) {
+  const double turn = std::acos(std::clamp(cosine, -1.0, 1.0));
+  return chord * (turn < 1e-6 ? 1 : 0.5 * turn / std::sin(0.5 * turn));
+}
+
 // Where the candidate does not face the same way, the way to it leads round an edge: its chord says nothing,
 // so both sides are tried with the expected length.
 DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p, double s0, bool facing,
@@ -215,7 +222,9 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
     result.left_skin = shot.left_skin;
     result.distance = d;
     result.s = s;
-    if (std::abs(along) < 1e-9 && (std::abs(across) < 1e-9 || clamped > 2)) {
+    // At the foot the length is stationary: 1e-6 mm beside it changes it by 1e-15 mm, while what coordinates
+    // rounded to 1e-9 mm leave of the direction moves the end of the shot by more than 1e-9 mm.
+    if (std::abs(along) < 1e-9 && (std::abs(across) < 1e-6 || clamped > 2)) {
       // Off in the normal direction: another sheet of the skin.
       if (r.Modulus() > 1e-4 && clamped <= 2) return result;
       result.kind = clamped > 2 ? Kind::beyond_end : Kind::found;
@@ -266,12 +275,17 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         const Foot p = skin.nearest(segment.at(s).x, &segment.samples[i].at, 1e-3);
         DistanceResult best;
         bool beyond = false, open = false, faced = false;
+        double nearest_end = 1e300;
         for (const ChordHit& hit : index.near(p.point, 1.5 * band_mm, 2 * band_mm)) {
           const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
           const double s0 = k.samples[hit.i].s + hit.x * (k.samples[hit.i + 1].s - k.samples[hit.i].s);
-          const bool facing = facing_cosine(skin, senses, p, k.samples[hit.i]) > 0.3;
+          const double cosine = facing_cosine(skin, senses, p, k.samples[hit.i]);
+          const bool facing = cosine > 0.3;
           const DistanceResult d = distance_round(skin, k, p, s0, facing, band_mm);
-          if (d.kind == DistanceResult::Kind::beyond_end) beyond = true;
+          if (d.kind == DistanceResult::Kind::beyond_end) {
+            beyond = true;
+            nearest_end = std::min(nearest_end, arc_of(hit.distance, cosine));
+          }
           if (d.kind == DistanceResult::Kind::unresolved) open = open || facing;
           faced = faced || facing;
           if (d.kind != DistanceResult::Kind::found) continue;
@@ -279,6 +293,11 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         }
         if (best.kind != DistanceResult::Kind::found) {
           ++((open || !faced) && !beyond ? check.unresolved : check.beyond_end);
+          continue;
+        }
+        // Nearer than the foot, but not nearer than W, lies an end: beside a foot farther off there is none.
+        if (nearest_end >= band_mm && nearest_end < best.distance) {
+          ++check.beyond_end;
           continue;
         }
         const double error = std::abs(best.distance - band_mm);
@@ -325,13 +344,6 @@ PlyPaths lengthened_ends(const Skin& skin, const PlyPaths& ply, double length) {
     }
   }
   return out;
-}
-
-// The way over the skin from a chord: exact on spheres, where arc / chord = (a / 2) / sin(a / 2) for
-// normals that differ by a.
-double arc_of(double chord, double cosine) {
-  const double turn = std::acos(std::clamp(cosine, -1.0, 1.0));
-  return chord * (turn < 1e-6 ? 1 : 0.5 * turn / std::sin(0.5 * turn));
 }
 
 std::vector<int> all_of(const PlyPaths& ply) {

@@ -201,6 +201,29 @@ TEST(Distance, ParallelsOfTheEquator) {
             DistanceResult::Kind::beyond_end);
 }
 
+// Coordinates of 1e4 mm and more in a file of nine decimals leave a noise above 1e-9 mm across the shot.
+TEST(Distance, IsFoundFromRoundedCoordinates) {
+  const double R = 1e4, d = 800;
+  const gp_Pnt centre(5e4, 5e4, 0);
+  const Skin skin({face_of(new Geom_SphericalSurface(gp_Ax3(centre, gp_Dir(0, 0, 1)), R), -0.5, 1.5, -1, 1.5)});
+  const auto rounded = [](const Vec& v) {
+    const auto r = [](double x) { return std::round(x * 1e9) / 1e9; };
+    return Vec(r(v.X()), r(v.Y()), r(v.Z()));
+  };
+  const double latitude = 1.2;
+  PlyPaths ply{"p", {parallel_of(0, R, latitude, 1, 5000)}};
+  for (Sample& s : ply.segments[0].samples) s.x = rounded(s.x + Vec(centre.XYZ())), s.t = rounded(s.t), s.n = rounded(s.n);
+  check_on_surface(skin, ply);
+  for (int i = 1; i < 40; ++i) {
+    const double a = i / 40.0, b = latitude + d / R;
+    const Vec p = Vec(std::cos(b) * std::cos(a), std::cos(b) * std::sin(a), std::sin(b)) * R + Vec(centre.XYZ());
+    const double s = a * R * std::cos(latitude);
+    const DistanceResult found = geodesic_distance(skin, ply.segments[0], skin.nearest(p), s + 2);
+    EXPECT_EQ(found.kind, DistanceResult::Kind::found) << i;
+    EXPECT_NEAR(found.distance, d, 1e-6) << i;
+  }
+}
+
 TEST(Spacing, ExactParallelsPassAndAPlantedErrorIsSeen) {
   const double R = 1000, W = 50.8;
   const Skin skin({face_of(sphere(R), -0.5, 1.5, -1, 1)});
@@ -218,6 +241,21 @@ TEST(Spacing, ExactParallelsPassAndAPlantedErrorIsSeen) {
   EXPECT_LT(exact.error.value, 1e-6);  // Hermite over 5 mm at R 1000: h^4 / (384 R^3) = 2e-9 mm
   EXPECT_NEAR(check_spacing(skin, paths(0.01), W, 300).error.value, 0.01, 1e-6);
   EXPECT_NEAR(check_spacing(skin, paths(20), W, 300).error.value, 20, 1e-6);
+}
+
+// Beyond the end of the nearer of two lines, W and more from that end, the line behind has a foot: not the nearest
+// point. An end nearer than W excuses nothing.
+TEST(Spacing, AFootBehindANearerEndIsNone) {
+  const double W = 50;
+  const Skin skin = plate(400, 200);
+  const auto check = [&](double y) {
+    PlyPaths ply{"p", {line_of(0, 10, 0, 400, 80), line_of(0, 20, 0, 100, 20), line_of(1, y, 0, 115, 23)}};
+    check_on_surface(skin, ply);
+    return check_spacing(skin, ply, W, 300);
+  };
+  EXPECT_LT(check(20 + W).error.value, 1e-6);
+  EXPECT_EQ(check(20 + W).beyond_end, 3);
+  EXPECT_NEAR(check(18 + W).error.value, 8, 1e-6);
 }
 
 TEST(Surface, SeesAPointOffTheSurfaceAndOneOutside) {
