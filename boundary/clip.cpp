@@ -31,22 +31,32 @@ class Clipper {
       : skin_(skin), least_mm_(least_mm), keep_(keep_inside) {}
 
   void add(const Piece& piece) {
-    const int face = piece.front().at.face;
-    const TrimRegion& trim = skin_.trim(face);
+    const TrimRegion& trim = skin_.trim(piece.front().at.face);
+    const std::vector<Hit> hits = hits_of(trim, piece);
     bool inside = starts_inside(trim, piece, inside_);
-    if (inside == keep_) {
+    const Hit* late = inside_ ? begins_in_gap(piece, hits) : nullptr;
+    if (late && keep_) {
+      inside = false;  // the gap ends at that hit
+    } else if (inside == keep_) {
       current_.emplace_back();
       push(piece.front());
     } else {
       finish();
     }
+    const bool ends_in_gap = !hits.empty() && is_way_out(hits.back());
+    std::size_t next = 0;
     for (std::size_t i = 0; i + 1 < piece.size(); ++i) {
-      for (const LoopCrossing& hit : trim.crossings(cubic(piece, i))) {
-        const EdgeUse use{face, hit.loop, hit.coedge};
-        if (skin_.edge(use).degenerate || hit.outward != inside) continue;
-        // Out over a shared edge is no end: the next piece goes on there.
-        if (hit.outward && skin_.mate(use)) continue;
+      for (; next < hits.size() && hits[next].span == i; ++next) {
+        const LoopCrossing& hit = hits[next].crossing;
+        if (hits[next].degenerate || hit.outward != inside) continue;
         const CurveNode node = node_at(piece, i, hit.x, hit.uv);
+        if (is_way_out(hits[next])) {
+          // Out over a shared edge is no end: the next piece goes on there.
+          if (!keep_ || !ends_in_gap || next + 1 < hits.size() || distance(node, piece.back()) < on_edge_mm) continue;
+          push(node);
+          inside_ = true;
+          return;
+        }
         if (inside == keep_) {
           push(node);
           finish();
@@ -67,6 +77,29 @@ class Clipper {
   }
 
  private:
+  struct Hit {
+    std::size_t span = 0;
+    LoopCrossing crossing;
+    bool degenerate = false, shared = false;
+  };
+  std::vector<Hit> hits_of(const TrimRegion& trim, const Piece& piece) const {
+    std::vector<Hit> out;
+    for (std::size_t i = 0; i + 1 < piece.size(); ++i)
+      for (const LoopCrossing& crossing : trim.crossings(cubic(piece, i))) {
+        const EdgeUse use{piece.front().at.face, crossing.loop, crossing.coedge};
+        out.push_back({i, crossing, skin_.edge(use).degenerate, skin_.mate(use).has_value()});
+      }
+    return out;
+  }
+  static bool is_way_out(const Hit& hit) { return hit.shared && hit.crossing.outward; }
+  double distance(const CurveNode& a, const CurveNode& b) const { return (skin_.point(a.at) - skin_.point(b.at)).norm(); }
+  /// A piece that goes on over a gap between faces may begin before the loop of its face: where it enters.
+  const Hit* begins_in_gap(const Piece& piece, const std::vector<Hit>& hits) const {
+    if (hits.empty() || hits.front().crossing.outward || !hits.front().shared) return nullptr;
+    const Hit& hit = hits.front();
+    const bool off = distance(piece.front(), node_at(piece, hit.span, hit.crossing.x, hit.crossing.uv)) > on_edge_mm;
+    return off ? &hit : nullptr;
+  }
   /// A piece that goes on from one that ended inside stands on the shared edge, to the solver's accuracy
   /// on either side of it: what lies just beyond decides.
   bool starts_inside(const TrimRegion& trim, const Piece& piece, bool goes_on) const {
@@ -173,6 +206,15 @@ CourseSegment sample_segment(const Skin& skin, const SurfaceCurve& curve, const 
 
 namespace {
 
+/// Whether a sample stands on an edge that its face shares with `face`.
+bool on_edge_to(const Skin& skin, const CourseSample& sample, int face) {
+  const LoopCrossing edge =
+      skin.trim(sample.at.face).nearest(sample.at.uv, first_form(skin.derivatives(sample.at)).matrix());
+  const auto mate = skin.mate({sample.at.face, edge.loop, edge.coedge});
+  return mate && mate->face == face &&
+         (skin.point({sample.at.face, edge.uv}) - sample.position).norm() < on_edge_mm;
+}
+
 /// Where a course that left another chart at `before`, on its edge, enters the face of `sample`.
 Uv entry(const Skin& skin, const CourseSample& before, const CourseSample& sample, const Uv& seed) {
   const Surface& surface = skin.face(sample.at.face).surface;
@@ -225,9 +267,10 @@ SurfaceCurve curve_of(const Skin& skin, const CourseSegment& segment) {
       const Uv seed = sample.at.uv - (node.t - last.t) * node.duv;
       const Uv uv = entry(skin, before, sample, seed);
       out.pieces.emplace_back();
-      // Over a gap this sample itself stands there: its piece begins with it.
+      // Over a gap this sample itself stands there or on the edge: its piece begins with it.
       const bool over_gap = before.at.face != sample.at.face &&
-                            (skin.point({sample.at.face, uv}) - sample.position).norm() < on_edge_mm;
+                            ((skin.point({sample.at.face, uv}) - sample.position).norm() < on_edge_mm ||
+                             on_edge_to(skin, sample, before.at.face));
       if (!over_gap) out.pieces.back().push_back(node_of(before, {sample.at.face, uv}, sample.at.uv - uv));
     }
     out.pieces.back().push_back(node);

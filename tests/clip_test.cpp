@@ -306,6 +306,32 @@ TEST(Clip, GoesOnOverFacesThatGap) {
   }
 }
 
+// A path stands in the gap just before it enters a face, or just after it left one: neither is on the skin.
+TEST(Clip, LeavesOutTheGap) {
+  const double gap = 0.05, x = 175, length = 100;
+  const Skin skin = plates_with_gap(gap);
+  for (const bool late : {false, true}) {
+    const double over = late ? 500 + gap : 500;  // where the path goes from one face to the other
+    SurfaceCurve curve = straight(Uv(x, over - length), Uv(x, over));
+    curve.pieces.push_back(straight(Uv(x, over), Uv(x, over + length)).pieces[0]);
+    for (CurveNode& node : curve.pieces[1]) {
+      node.t += length;
+      node.at.face = 1;
+    }
+    const auto clipped = clip_to_skin(skin, curve);
+    ASSERT_EQ(clipped.size(), 1u) << late;
+    ASSERT_EQ(clipped[0].pieces.size(), 2u) << late;
+    EXPECT_NEAR(clipped[0].pieces[0].back().at.uv.y(), 500, 1e-9) << late;
+    EXPECT_NEAR(clipped[0].pieces[1].front().at.uv.y(), 500 + gap, 1e-9) << late;
+    const DirectionField field({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 0, 1)}}, 1e4);
+    const CourseSegment segment = sample_segment(skin, clipped[0], field);
+    EXPECT_NEAR(segment.length_mm(), 2 * length, 1e-9);
+    const SurfaceCurve again = curve_of(skin, segment);
+    ASSERT_EQ(again.pieces.size(), 2u) << late;
+    EXPECT_NEAR(length_of(skin, {again}), 2 * length - gap, 1e-9);
+  }
+}
+
 // An axis has no sense: angles fold into (-90, 90] degrees.
 TEST(Clip, FoldsTheDeviationOfAnAxis) {
   const Vec3 z = Vec3::UnitZ(), asked = Vec3::UnitX();
