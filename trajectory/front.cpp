@@ -24,6 +24,16 @@ void for_each_index(std::size_t count, Body body) {
   });
 }
 
+/// Whether two neighbouring nodes lie on different faces or on either side of a seam: in (u, v) half of the domain
+/// or more apart.
+bool seam_between(const Skin& skin, const CurveNode& a, const CurveNode& b) {
+  if (a.at.face != b.at.face) return true;
+  const Surface& surface = skin.face(a.at.face).surface;
+  const Uv step = b.at.uv - a.at.uv;
+  return std::abs(step.x()) >= 0.5 * surface.domain_u().length() ||
+         std::abs(step.y()) >= 0.5 * surface.domain_v().length();
+}
+
 /// Splits rays into the runs whose flag is set; `trim(first, last, run)` finishes each.
 template <typename Finish>
 void split(const std::vector<char>& keep, Finish finish) {
@@ -224,10 +234,9 @@ void Front::refine(Strand& strand, int level) const {
       joined[i] = same_chart(skin, nodes[i], nodes[i + 1]);
       const double length = chord(skin, strand.rays[i], strand.rays[i + 1]);
       if (length > 1.5 * options_.sample_mm) halve[i] = 1;
-      // At a cusp (a focal point) neighbours on one chart do not join smoothly until they are close.
-      if (!joined[i] && nodes[i].at.face == nodes[i + 1].at.face &&
-          uv_to_tangent(skin.derivatives(nodes[i].at), nodes[i + 1].at.uv - nodes[i].at.uv).norm() < 2 * length)
-        halve[i] = 1;
+      // At a cusp (a focal point), or where the parametrisation changes its speed, neighbours on one chart do not
+      // join smoothly until they are close.
+      if (!joined[i] && !seam_between(skin, nodes[i], nodes[i + 1])) halve[i] = 1;
     }
     for (std::size_t i = 1; i + 1 < n; ++i) {
       if (!joined[i - 1] || !joined[i]) continue;
