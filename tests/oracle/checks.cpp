@@ -67,6 +67,23 @@ DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p,
   return left.kind == Kind::found || right.kind != Kind::found ? left : right;
 }
 
+// Where a front folds several feet lie close together, and the one found from the nearest chord need not be the
+// nearest. A distance of more than the band asks for others, from places along the segment on either side.
+DistanceResult nearest_foot(const Skin& skin, const Segment& k, const Foot& p, double s0, DistanceResult best,
+                            double band_mm) {
+  constexpr int seeds = 16;
+  using Kind = DistanceResult::Kind;
+  if (best.kind == Kind::found && best.distance < band_mm + 1e-5) return best;
+  for (int i = 1; i <= seeds; ++i)
+    for (const double side : {-1.0, 1.0}) {
+      const double s = s0 + side * 0.5 * band_mm * i / seeds;
+      if (s <= k.samples.front().s || s >= k.samples.back().s) continue;
+      const DistanceResult d = geodesic_distance(skin, k, p, s);
+      if (d.kind == Kind::found && (best.kind != Kind::found || d.distance < best.distance)) best = d;
+    }
+  return best;
+}
+
 // Segment numbers (indices) of each course.
 std::map<int, std::vector<int>> by_course(const PlyPaths& ply) {
   std::map<int, std::vector<int>> courses;
@@ -270,7 +287,8 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
           const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
           const double s0 = k.samples[hit.i].s + hit.x * (k.samples[hit.i + 1].s - k.samples[hit.i].s);
           const bool facing = facing_cosine(skin, senses, p, k.samples[hit.i]) > 0.3;
-          const DistanceResult d = distance_round(skin, k, p, s0, facing, band_mm);
+          DistanceResult d = distance_round(skin, k, p, s0, facing, band_mm);
+          if (facing) d = nearest_foot(skin, k, p, s0, d, band_mm);
           if (d.kind == DistanceResult::Kind::beyond_end) beyond = true;
           if (d.kind == DistanceResult::Kind::unresolved) open = open || facing;
           faced = faced || facing;
