@@ -211,6 +211,7 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
   result.kind = failed;
   double s = s0, d = d0, side = side0;
   int clamped = 0, clamps = 0;
+  double last_miss = 1e300;
   const double first = segment.samples.front().s, last = segment.samples.back().s;
   for (int iteration = 0; iteration < 25; ++iteration) {
     const Segment::Point c = segment.at(s);
@@ -238,6 +239,13 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
       result.kind = clamped > 2 ? Kind::beyond_end : Kind::found;
       return result;
     }
+    // Round a sharp edge the shot itself is no better than this: iterations end there, near the foot.
+    const double miss = r.Modulus();
+    if (miss < 1e-6 && miss > 0.5 * last_miss && clamped == 0) {
+      result.kind = Kind::found;
+      return result;
+    }
+    last_miss = miss;
     const double y = std::abs(shot.y) < 0.1 ? std::copysign(0.1, shot.y) : shot.y;
     double ds = across / y;
     const double limit = std::max(0.5 * d, 1.0);
