@@ -239,5 +239,24 @@ TEST(Parallels, FollowASurfaceThatNearlyShrinksToItsEdge) {
   EXPECT_GT(counted, 500);
 }
 
+// Round an edge of 0.3 mm radius the rays stand as close as the curve turns, whatever the sampling.
+TEST(Parallels, KeepTheirDistanceRoundASharpEdge) {
+  BSplineSurface s;
+  s.degree_u = 1;
+  s.knots_u = {0, 0, 1, 1};
+  s.degree_v = 3;
+  s.knots_v = uniform_knots(3, 7);
+  const double y[] = {0, 100, 199.6, 200, 200.4, 300, 400}, z[] = {0, 60, 119.7, 120, 119.7, 60, 0};
+  for (const double x : {0.0, 600.0})
+    for (int j = 0; j < 7; ++j) s.poles.emplace_back(x, y[j], z[j]);
+  const Skin skin = make_skin(Surface::bspline(s), {0, 1}, {0, 1});
+  ParallelOptions options = options_for(skin);
+  options.front.sample_mm = 20;
+  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0, 0.05), Uv(1, 0.2)), options);
+  int checked = 0;
+  EXPECT_LT(spacing_error(skin, p, &checked), 1e-4);
+  EXPECT_GT(checked, 200);
+}
+
 }  // namespace
 }  // namespace afptraj

@@ -227,7 +227,12 @@ void Front::refine(Strand& strand, int level) const {
   for (int round = 0; round < 20; ++round) {
     const std::size_t n = strand.rays.size();
     std::vector<CurveNode> nodes(n);
-    for_each_index(n, [&](std::size_t i) { nodes[i] = level_node(skin, source, strand.rays[i], side_); });
+    std::vector<Vec3> along(n);
+    for_each_index(n, [&](std::size_t i) {
+      nodes[i] = level_node(skin, source, strand.rays[i], side_);
+      const PathFrame frame = frame_of(skin, strand.rays[i].state);
+      along[i] = frame.tangent.cross(frame.normal);
+    });
     std::vector<char> halve(n, 0);  // the gap after ray i
     std::vector<char> joined(n, 0);
     for (std::size_t i = 0; i + 1 < n; ++i) {
@@ -257,8 +262,11 @@ void Front::refine(Strand& strand, int level) const {
       if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < least_t_mm) continue;
       // Near a focal point rays crowd together in space but not in t: only t bounds the halving there.
       const bool focal = std::min(std::abs(strand.rays[i].state.y), std::abs(strand.rays[i + 1].state.y)) < 0.1;
-      if (focal || !joined[i] || chord(skin, strand.rays[i], strand.rays[i + 1]) > 0.02 * options_.sample_mm)
-        gaps.push_back(i);
+      const double length = chord(skin, strand.rays[i], strand.rays[i + 1]);
+      // A curve from one tangent to another is off their chord by a quarter of length times angle at most: round a
+      // sharp edge short gaps miss too.
+      const bool turns = 0.25 * length * (along[i + 1] - along[i]).norm() > options_.hermite_tolerance_mm;
+      if (focal || !joined[i] || turns || length > 0.02 * options_.sample_mm) gaps.push_back(i);
     }
     if (gaps.empty()) break;
     std::vector<Ray> mids(gaps.size());
