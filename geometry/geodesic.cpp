@@ -369,7 +369,9 @@ GeodesicTracer::Crossing GeodesicTracer::cross_loops(GeodesicState& state, const
   return Crossing::moved;
 }
 
-bool GeodesicTracer::may_stay_outside(const GeodesicState& state, const Span& span) const {
+/// How long a path may run outside before it counts as having left. Exact, so that every path to a place is judged
+/// alike, whatever its steps; but for a start on an edge or a period away, which a first step finds inside.
+double GeodesicTracer::longest_outside(const GeodesicState& state, const Span& span) const {
   const Surface& surface = skin_->face(state.at.face).surface;
   // Farther round a part that is open there the continuation would come upon the other rim.
   const TrimRegion& trim = skin_->trim(state.at.face);
@@ -386,7 +388,7 @@ bool GeodesicTracer::may_stay_outside(const GeodesicState& state, const Span& sp
   const double limit = continued || (!alone && !state.in_hole)
                            ? options_.margin_mm
                            : std::max(options_.margin_mm, state.in_hole ? skin_->diagonal() : options_.outside_limit_mm);
-  return state.outside_mm <= limit;
+  return limit + 1e-6;
 }
 
 const Pole* GeodesicTracer::approached_pole(const GeodesicState& state, const SurfaceDerivatives& d,
@@ -424,6 +426,15 @@ GeodesicTracer::Crossing GeodesicTracer::hop_pole(GeodesicState& state, const Po
   return Crossing::moved;
 }
 
+/// Carries a state outside over the period. A step may end on the loop exactly (where it is a knot line too): that
+/// is back inside.
+void GeodesicTracer::settle_outside(GeodesicState& state, Span& span) const {
+  wrap_outside(state, span);
+  if (!skin_->trim(state.at.face).contains(state.at.uv)) return;
+  state.outside = state.in_hole = false;
+  state.outside_mm = 0;
+}
+
 TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
   double remaining = length;
   double h = state.step_mm > 0 ? state.step_mm : std::min(length, 0.02 * skin_->diagonal());
@@ -438,7 +449,12 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
     if (!looked) here = look(state, span);
     looked = false;
     double step = std::min({h, remaining, longest});
-    if (state.outside) step = std::min(step, std::max(1.0, 0.02 * skin_->diagonal()));
+    double room = remaining;  // how far it may go before it has left
+    if (state.outside) {
+      room = std::min(room, longest_outside(state, span) - state.outside_mm);
+      if (room <= least) return TraceEnd::left;
+      step = std::min({step, room, std::max(1.0, 0.02 * skin_->diagonal())});
+    }
     if (!poles_[static_cast<std::size_t>(state.at.face)].empty() && !state.outside) {
       double distance = 0, miss = 0;
       if (const Pole* pole = approached_pole(state, here.d, distance, miss)) {
@@ -469,7 +485,7 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
     }
     const double grown = step * std::clamp(0.9 / eighth_root(std::max(error, 1e-10)), 0.5, 5.0);
     double taken = step;
-    land_on_box(state, from, here, span, std::min(remaining, 2 * step), taken);
+    land_on_box(state, from, here, span, std::min(room, 2 * step), taken);
     const Crossing crossing = cross_loops(state, from, here, span, taken);
     remaining -= taken;
     if (crossing == Crossing::left) return TraceEnd::left;
@@ -495,13 +511,7 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
     }
     if (state.outside) {
       state.outside_mm += taken;
-      wrap_outside(state, span);
-      // A step may end on the loop exactly (where it is a knot line too): that is back inside.
-      if (skin_->trim(state.at.face).contains(state.at.uv)) {
-        state.outside = state.in_hole = false;
-        state.outside_mm = 0;
-      }
-      if (state.outside && !may_stay_outside(state, span)) return TraceEnd::left;
+      settle_outside(state, span);
     }
     if (!cross_knot(state, span)) return TraceEnd::singular;
     idle = taken < 1e-9 && remaining > 1e-9 ? idle + 1 : 0;

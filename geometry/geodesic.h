@@ -82,11 +82,12 @@ class GeodesicTracer {
                        double& h) const;
   Crossing enter_mate(GeodesicState& state, const EdgeUse& use, double t) const;
   void wrap_outside(GeodesicState& state, Span& span) const;
+  void settle_outside(GeodesicState& state, Span& span) const;
   bool relocate(GeodesicState& state) const;
   Crossing hop_pole(GeodesicState& state, const Pole& pole, double& walked) const;
   const Pole* approached_pole(const GeodesicState& state, const SurfaceDerivatives& d, double& distance,
                               double& miss) const;
-  bool may_stay_outside(const GeodesicState& state, const Span& span) const;
+  double longest_outside(const GeodesicState& state, const Span& span) const;
 
   const Skin* skin_;
   GeodesicOptions options_;

@@ -261,6 +261,25 @@ TEST(Geodesic, NoticesALoopOnTheEndOfTheDomain) {
   EXPECT_FALSE(g.outside);
 }
 
+// How far a path may run outside is exact. A great circle pokes out over a circle of latitude and comes back:
+// lat = asin(sin(i) sin(s / R)) is above v0 over R (pi - 2 asin(sin v0 / sin i)).
+TEST(Geodesic, LeavesAfterTheSameWayWhateverItsSteps) {
+  const double R = 1000, v0 = 0.3, tilt = 0.32;
+  const Skin skin = make_skin(Surface::sphere({}, R), {-1.5, 1.5}, {-1, v0});
+  const double outside = R * (pi - 2 * std::asin(std::sin(v0) / std::sin(tilt)));
+  for (const double tolerance : {1e-5, 1e-8, 1e-11})
+    for (const double limit : {outside - 0.1, outside + 0.1}) {
+      GeodesicOptions options;
+      options.tolerance_mm = tolerance;
+      options.outside_limit_mm = limit;
+      const GeodesicTracer tracer(skin, options);
+      const Vec3 ahead(std::cos(tilt) * std::sin(pi / 4), std::cos(tilt) * std::cos(pi / 4), std::sin(tilt));
+      GeodesicState g = tracer.start({0, Uv(-pi / 4, 0)}, ahead);
+      EXPECT_EQ(tracer.advance(g, 0.9 * R * pi), limit > outside ? TraceEnd::reached : TraceEnd::left)
+          << tolerance << " " << limit - outside;
+    }
+}
+
 // Two planes meeting at a fold: the straightest path keeps its angle to the edge.
 TEST(Geodesic, TurnsAboutAFold) {
   const Vec3 n1(0, 0, 1), n2 = Vec3(0, -1, 1).normalized();

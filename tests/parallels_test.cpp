@@ -264,5 +264,58 @@ TEST(Parallels, EndWhereACourseThatLeftTheSkinGoesOn) {
   EXPECT_EQ(ends, 2);
 }
 
+/// 0.4 x 0.6 m, flat but for a lip of 0.01 mm that stands up on the edge v = 0: there the parametrisation is a hundred
+/// times slower than a few millimetres away and turns by a right angle, as at the lip of a nacelle.
+Surface lipped_surface() {
+  BSplineSurface s;
+  s.degree_u = 1;
+  s.knots_u = {0, 0, 1, 1};
+  s.degree_v = 3;
+  s.knots_v = uniform_knots(3, 5);
+  for (const double x : {0.0, 400.0}) {
+    s.poles.emplace_back(x, 0, -0.01);
+    for (const double y : {0.0, 100.0, 300.0, 600.0}) s.poles.emplace_back(x, y, 0);
+  }
+  return Surface::bspline(s);
+}
+
+// Where the parametrisation changes its speed within a sample, rays are added until the cubic between them follows.
+TEST(Parallels, FollowASurfaceThatNearlyShrinksToItsEdge) {
+  const Skin skin = make_skin(lipped_surface(), {0, 1}, {0, 1});
+  ParallelOptions options = options_for(skin);
+  options.front.sample_mm = 3;
+  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0.3, 0), Uv(0.8, 1)), options);
+  int counted = 0;
+  for (const LevelCurve& level : p.levels)
+    for (const SurfaceCurve& curve : level.curves)
+      for (const SurfaceCurve& s : clip_to_skin(skin, curve))
+        for (const auto& piece : s.pieces)
+          for (std::size_t i = 0; i + 1 < piece.size(); ++i) {
+            const double chord = (skin.point(piece[i].at) - skin.point(piece[i + 1].at)).norm();
+            EXPECT_LT(arc_length(skin, piece, i, 0, 1), 1.05 * chord + 1e-4) << level.number;
+            ++counted;
+          }
+  EXPECT_GT(counted, 500);
+}
+
+// Round an edge of 0.3 mm radius the rays stand as close as the curve turns, whatever the sampling.
+TEST(Parallels, KeepTheirDistanceRoundASharpEdge) {
+  BSplineSurface s;
+  s.degree_u = 1;
+  s.knots_u = {0, 0, 1, 1};
+  s.degree_v = 3;
+  s.knots_v = uniform_knots(3, 7);
+  const double y[] = {0, 100, 199.6, 200, 200.4, 300, 400}, z[] = {0, 60, 119.7, 120, 119.7, 60, 0};
+  for (const double x : {0.0, 600.0})
+    for (int j = 0; j < 7; ++j) s.poles.emplace_back(x, y[j], z[j]);
+  const Skin skin = make_skin(Surface::bspline(s), {0, 1}, {0, 1});
+  ParallelOptions options = options_for(skin);
+  options.front.sample_mm = 20;
+  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0, 0.05), Uv(1, 0.2)), options);
+  int checked = 0;
+  EXPECT_LT(spacing_error(skin, p, &checked), 1e-4);
+  EXPECT_GT(checked, 200);
+}
+
 }  // namespace
 }  // namespace afptraj

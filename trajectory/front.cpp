@@ -24,6 +24,16 @@ void for_each_index(std::size_t count, Body body) {
   });
 }
 
+/// Whether two neighbouring nodes lie on different faces or on either side of a seam: in (u, v) half of the domain
+/// or more apart.
+bool seam_between(const Skin& skin, const CurveNode& a, const CurveNode& b) {
+  if (a.at.face != b.at.face) return true;
+  const Surface& surface = skin.face(a.at.face).surface;
+  const Uv step = b.at.uv - a.at.uv;
+  return std::abs(step.x()) >= 0.5 * surface.domain_u().length() ||
+         std::abs(step.y()) >= 0.5 * surface.domain_v().length();
+}
+
 /// Splits rays into the runs whose flag is set; `trim(first, last, run)` finishes each.
 template <typename Finish>
 void split(const std::vector<char>& keep, Finish finish) {
@@ -217,17 +227,21 @@ void Front::refine(Strand& strand, int level) const {
   for (int round = 0; round < 20; ++round) {
     const std::size_t n = strand.rays.size();
     std::vector<CurveNode> nodes(n);
-    for_each_index(n, [&](std::size_t i) { nodes[i] = level_node(skin, source, strand.rays[i], side_); });
+    std::vector<Vec3> along(n);
+    for_each_index(n, [&](std::size_t i) {
+      nodes[i] = level_node(skin, source, strand.rays[i], side_);
+      const PathFrame frame = frame_of(skin, strand.rays[i].state);
+      along[i] = frame.tangent.cross(frame.normal);
+    });
     std::vector<char> halve(n, 0);  // the gap after ray i
     std::vector<char> joined(n, 0);
     for (std::size_t i = 0; i + 1 < n; ++i) {
       joined[i] = same_chart(skin, nodes[i], nodes[i + 1]);
       const double length = chord(skin, strand.rays[i], strand.rays[i + 1]);
       if (length > 1.5 * options_.sample_mm) halve[i] = 1;
-      // At a cusp (a focal point) neighbours on one chart do not join smoothly until they are close.
-      if (!joined[i] && nodes[i].at.face == nodes[i + 1].at.face &&
-          uv_to_tangent(skin.derivatives(nodes[i].at), nodes[i + 1].at.uv - nodes[i].at.uv).norm() < 2 * length)
-        halve[i] = 1;
+      // At a cusp (a focal point), or where the parametrisation changes its speed, neighbours on one chart do not
+      // join smoothly until they are close.
+      if (!joined[i] && !seam_between(skin, nodes[i], nodes[i + 1])) halve[i] = 1;
     }
     for (std::size_t i = 1; i + 1 < n; ++i) {
       if (!joined[i - 1] || !joined[i]) continue;
@@ -248,8 +262,11 @@ void Front::refine(Strand& strand, int level) const {
       if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < least_t_mm) continue;
       // Near a focal point rays crowd together in space but not in t: only t bounds the halving there.
       const bool focal = std::min(std::abs(strand.rays[i].state.y), std::abs(strand.rays[i + 1].state.y)) < 0.1;
-      if (focal || !joined[i] || chord(skin, strand.rays[i], strand.rays[i + 1]) > 0.02 * options_.sample_mm)
-        gaps.push_back(i);
+      const double length = chord(skin, strand.rays[i], strand.rays[i + 1]);
+      // A curve from one tangent to another is off their chord by a quarter of length times angle at most: round a
+      // sharp edge short gaps miss too.
+      const bool turns = 0.25 * length * (along[i + 1] - along[i]).norm() > options_.hermite_tolerance_mm;
+      if (focal || !joined[i] || turns || length > 0.02 * options_.sample_mm) gaps.push_back(i);
     }
     if (gaps.empty()) break;
     std::vector<Ray> mids(gaps.size());

@@ -33,8 +33,10 @@ class CurveBuilder {
         return;
       }
       if (node.t - last.t < 1e-9) return;
-      if (!same_chart(skin_, last, node)) pass_over(last_ray_, ray, 0);
-      if (curve_.pieces.back().empty() || node.t - curve_.pieces.back().back().t > 1e-9) reach(ray, 0);
+      if (same_chart(skin_, last, node))
+        reach(ray, 0);
+      else
+        pass_over(last_ray_, ray, 0);
     } else {
       curve_.pieces.emplace_back();
       push(node);
@@ -88,9 +90,10 @@ class CurveBuilder {
     push(node);
   }
 
-  /// From ray `a` (whose node is in place) to ray `b` over one or more passages.
+  /// From ray `from` (whose node is in place) to ray `to` over one or more passages.
   void pass_over(const Ray& from, const Ray& to, int depth) {
     Ray a = from, b = to;
+    std::vector<Ray> before, after;  // rays on the chart of `from`, of `to`: the way there, where it is no smooth cubic
     for (int i = 0; i < 60; ++i) {
       const CurveNode na = node_of(a), nb = node_of(b);
       if ((skin_.point(na.at) - skin_.point(nb.at)).norm() < bracket_mm || b.t - a.t < 1e-9) break;
@@ -101,22 +104,36 @@ class CurveBuilder {
       const bool joins_a = same_chart(skin_, na, nm), joins_b = same_chart(skin_, nm, nb);
       if (joins_a) {
         a = mid;
+        before.push_back(mid);
         if (joins_b) break;
       } else if (joins_b) {
         b = mid;
+        after.insert(after.begin(), mid);
       } else if (depth < 6) {  // a third chart lies between
+        reach_over(before);
         pass_over(a, mid, depth + 1);
-        reach_if_later(mid);
         pass_over(mid, b, depth + 1);
+        after.push_back(to);
+        reach_over(after);
         return;
       } else {
         break;
       }
     }
-    reach_if_later(a);
-    if (same_chart(skin_, node_of(a), node_of(b))) return;
-    join(node_of(a), node_of(b));
-    reach_if_later(b);
+    reach_over(before);
+    if (!same_chart(skin_, node_of(a), node_of(b))) {
+      join(node_of(a), node_of(b));
+      reach_if_later(b);
+    }
+    after.push_back(to);
+    reach_over(after);
+  }
+
+  /// Goes on over rays of which each joins the one before, over as few as join, to the last.
+  void reach_over(const std::vector<Ray>& rays) {
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (i + 1 == rays.size() || !same_chart(skin_, curve_.pieces.back().back(), node_of(rays[i + 1])))
+        reach_if_later(rays[i]);
   }
 
   void reach_if_later(const Ray& ray) {

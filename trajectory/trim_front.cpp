@@ -235,6 +235,12 @@ class Trimmer {
   bool is_clear(const Front& front, const Strand& strand, const Stretch& stretch) const {
     constexpr std::size_t probes = 7;
     if (stretch.rays.size() < probes + 2) return false;
+    // Before a cusp many rays stand within less than a sample: there the other front is no nearer than a probe can tell.
+    const Vec3 first = front.skin().point(stretch.rays.front().state.at);
+    const bool apart = std::any_of(stretch.rays.begin(), stretch.rays.end(), [&](const Ray& ray) {
+      return (front.skin().point(ray.state.at) - first).norm() > front.options().sample_mm;
+    });
+    if (!apart) return false;
     for (std::size_t k = 0; k < probes; ++k) {
       const Ray& ray = stretch.rays[1 + k * (stretch.rays.size() - 3) / (probes - 1)];
       if (!good(front, ray, strand)) return false;

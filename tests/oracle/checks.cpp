@@ -74,6 +74,23 @@ DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p,
   return left.kind == Kind::found || right.kind != Kind::found ? left : right;
 }
 
+// Where a front folds several feet lie close together, and the one found from the nearest chord need not be the
+// nearest. A distance of more than the band asks for others, from places along the segment on either side.
+DistanceResult nearest_foot(const Skin& skin, const Segment& k, const Foot& p, double s0, DistanceResult best,
+                            double band_mm) {
+  constexpr int seeds = 16;
+  using Kind = DistanceResult::Kind;
+  if (best.kind == Kind::found && best.distance < band_mm + 1e-5) return best;
+  for (int i = 1; i <= seeds; ++i)
+    for (const double side : {-1.0, 1.0}) {
+      const double s = s0 + side * 0.5 * band_mm * i / seeds;
+      if (s <= k.samples.front().s || s >= k.samples.back().s) continue;
+      const DistanceResult d = geodesic_distance(skin, k, p, s);
+      if (d.kind == Kind::found && (best.kind != Kind::found || d.distance < best.distance)) best = d;
+    }
+  return best;
+}
+
 // Segment numbers (indices) of each course.
 std::map<int, std::vector<int>> by_course(const PlyPaths& ply) {
   std::map<int, std::vector<int>> courses;
@@ -201,6 +218,7 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
   result.kind = failed;
   double s = s0, d = d0, side = side0;
   int clamped = 0, clamps = 0;
+  double last_miss = 1e300;
   const double first = segment.samples.front().s, last = segment.samples.back().s;
   for (int iteration = 0; iteration < 25; ++iteration) {
     const Segment::Point c = segment.at(s);
@@ -230,6 +248,13 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
       result.kind = clamped > 2 ? Kind::beyond_end : Kind::found;
       return result;
     }
+    // Round a sharp edge the shot itself is no better than this: iterations end there, near the foot.
+    const double miss = r.Modulus();
+    if (miss < 1e-6 && miss > 0.5 * last_miss && clamped == 0) {
+      result.kind = Kind::found;
+      return result;
+    }
+    last_miss = miss;
     const double y = std::abs(shot.y) < 0.1 ? std::copysign(0.1, shot.y) : shot.y;
     double ds = across / y;
     const double limit = std::max(0.5 * d, 1.0);
@@ -281,7 +306,8 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
           const double s0 = k.samples[hit.i].s + hit.x * (k.samples[hit.i + 1].s - k.samples[hit.i].s);
           const double cosine = facing_cosine(skin, senses, p, k.samples[hit.i]);
           const bool facing = cosine > 0.3;
-          const DistanceResult d = distance_round(skin, k, p, s0, facing, band_mm);
+          DistanceResult d = distance_round(skin, k, p, s0, facing, band_mm);
+          if (facing) d = nearest_foot(skin, k, p, s0, d, band_mm);
           if (d.kind == DistanceResult::Kind::beyond_end) {
             beyond = true;
             nearest_end = std::min(nearest_end, arc_of(hit.distance, cosine));
