@@ -138,7 +138,7 @@ void Front::advance(int level) {
     for (Strand& run : alive_runs(strand, alive, level)) {
       refine(run, level);
       run.trimmed = false;
-      run.fresh_end = -1;
+      run.fresh_end = run.lead_end = -1;
       split_where_rays_part(std::move(run), next);
     }
   }
@@ -291,17 +291,19 @@ void Front::refine(Strand& strand, int level) const {
   }
 }
 
+bool Front::has_partner(std::size_t strand, int end) const {
+  for (std::size_t j = 0; j < strands_.size(); ++j)
+    for (int f = 0; f < 2; ++f)
+      if ((j != strand || f != end) && strands_[j].end[f] == StrandEnd::linked &&
+          strands_[j].link[f] == strands_[strand].link[end])
+        return true;
+  return false;
+}
+
 void Front::settle_links() {
   for (std::size_t i = 0; i < strands_.size(); ++i)
-    for (int e = 0; e < 2; ++e) {
-      if (strands_[i].end[e] != StrandEnd::linked) continue;
-      bool partner = false;
-      for (std::size_t j = 0; j < strands_.size() && !partner; ++j)
-        for (int f = 0; f < 2 && !partner; ++f)
-          partner = (i != j || e != f) && strands_[j].end[f] == StrandEnd::linked &&
-                    strands_[j].link[f] == strands_[i].link[e];
-      if (!partner) strands_[i].end[e] = StrandEnd::open;
-    }
+    for (int e = 0; e < 2; ++e)
+      if (strands_[i].end[e] == StrandEnd::linked && !has_partner(i, e)) strands_[i].end[e] = StrandEnd::open;
 }
 
 /// Whether a curve of a lower level lies nearer than W.
@@ -335,6 +337,7 @@ void Front::lead_out(int level, const LaidCurves& laid, int& next_link) {
       const std::vector<GeodesicState> states = way_out(end, e == 0, laid);
       if (states.size() < 2) continue;
       strands_.push_back(extension_strand(states, e == 0, level));
+      strands_.back().lead_end = 1 - e;
       join(strands_[i], e, strands_.back(), next_link++);
     }
 }

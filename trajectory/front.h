@@ -42,6 +42,7 @@ struct Strand {
   int link[2] = {-1, -1};    ///< same number: linked ends
   int meeting[2] = {-1, -1}; ///< while the front is trimmed: the meeting at an end
   int fresh_end = -1;        ///< of an extension at the level it was made: the end it starts from
+  int lead_end = -1;         ///< the same of a way out of what has been swept (lead_out)
   bool trimmed = false;      ///< all of it has passed trim_fronts at this level
   int parent = -1;           ///< laid curve of the level before ...
   double parent_offset = 0;  ///< ... and how its parameter follows from a ray's: t + offset
@@ -104,6 +105,9 @@ class Front {
   /// Adds rays where neighbours part or the cubic between them would miss the level curve, and
   /// drops rays that have come too close together; the ends stay.
   void refine(Strand& strand, int level) const;
+
+  /// Whether another end shares the link of this one.
+  bool has_partner(std::size_t strand, int end) const;
 
   /// A link holds only while both of its ends do; else they are open.
   void settle_links();

@@ -327,16 +327,26 @@ class Trimmer {
     return in;
   }
 
-  /// An extension leads on from an end: where that end has been cut off, it leads from nowhere.
+  /// An extension leads on from an end: where that end has been cut off, it leads from nowhere. So does a way out
+  /// of what has been swept, unless it comes out of it at a meeting.
   static void drop_severed_extensions(Front& front) {
     std::erase_if(front.strands(), [](const Strand& strand) {
-      return strand.fresh_end >= 0 && strand.end[strand.fresh_end] != StrandEnd::linked;
+      if (strand.fresh_end >= 0) return strand.end[strand.fresh_end] != StrandEnd::linked;
+      if (strand.lead_end < 0) return false;
+      const StrandEnd end = strand.end[strand.lead_end];
+      return end == StrandEnd::open || end == StrandEnd::stopped;
     });
+    front.settle_links();
+  }
+
+  static double chord(const Front& front, const Strand& strand) {
+    return (front.skin().point(strand.rays.front().state.at) - front.skin().point(strand.rays.back().state.at)).norm();
   }
 
   /// A meeting of which only one branch is left is none. Where three fronts meet nearly in one point, a sliver of
   /// the middle one may be kept though the outer two meet: what is swept by less than the validity tolerance
-  /// counts as clear. No other branch ends where it does.
+  /// counts as clear. No other branch ends where it does. The same holds for what is left of a strand beyond a
+  /// link whose other strand has been dropped.
   void open_lone_corners() const {
     std::vector<int> count;
     const auto each = [&](auto body) {
@@ -356,13 +366,19 @@ class Trimmer {
       return strand.meeting[e] == lone_cut ||
              (strand.meeting[e] != no_meeting && count[static_cast<std::size_t>(strand.meeting[e])] < 2);
     };
-    for (Front* front : fronts_)
-      if (front)
-        std::erase_if(front->strands(), [&](const Strand& strand) {
-          const double chord =
-              (front->skin().point(strand.rays.front().state.at) - front->skin().point(strand.rays.back().state.at)).norm();
-          return lone(strand, 0) && lone(strand, 1) && chord < front->options().sample_mm;
-        });
+    for (Front* front : fronts_) {
+      if (!front) continue;
+      std::vector<char> sliver;
+      for (std::size_t i = 0; i < front->strands().size(); ++i) {
+        const Strand& strand = front->strands()[i];
+        const auto unpaired = [&](int e) {
+          return lone(strand, e) || (strand.end[e] == StrandEnd::linked && !front->has_partner(i, e));
+        };
+        sliver.push_back(unpaired(0) && unpaired(1) && chord(*front, strand) < front->options().sample_mm);
+      }
+      std::size_t next = 0;
+      std::erase_if(front->strands(), [&](const Strand&) { return sliver[next++]; });
+    }
     each([&](Strand& strand, int e) {
       if (strand.end[e] == StrandEnd::corner && lone(strand, e)) strand.end[e] = StrandEnd::open;
       strand.meeting[e] = no_meeting;  // numbers hold for this call only
