@@ -13,7 +13,8 @@ GeodesicChart::Place PathChart::place(const Skin& skin, const Uv& at, const Uv& 
   out.at = {face, at};
   out.normal_sign = normal_sign;
   const Surface& surface = skin.face(face).surface;
-  out.d = surface.derivatives(surface.span_at(at, inward), at);
+  // A place on a crease stands off it by rounding.
+  out.d = surface.derivatives(surface.span_at(at + 1e-9 * inward, inward), at);
   out.normal = (skin.face(face).reversed ? -normal_sign : normal_sign) * unit_normal(out.d);
   return out;
 }
