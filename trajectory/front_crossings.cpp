@@ -38,13 +38,18 @@ std::vector<Chord> chords_of(const std::array<const Front*, 2>& fronts) {
   return out;
 }
 
-/// Where two chords pass over each other in the plane between their normals: x on a, y on b.
+/// Where two chords pass over each other, seen along the normal: x on a, y on b. A chord over a sharp edge has no
+/// normal; then seen along the line at right angles to both.
 bool pass_over(const Chord& A, const Chord& B, double& x, double& y) {
   constexpr double slack = 0.05;  // chords beside the vertex that the curves cross at
   const Vec3 da = A.b - A.a, db = B.b - B.a, r = B.a - A.a;
-  const Vec3 na = A.na + A.nb, nb = B.na + B.nb;
-  if (na.dot(nb) <= 0.5 * na.norm() * nb.norm()) return false;
-  const Vec3 n = (na.normalized() + nb.normalized()).normalized();
+  const auto over_edge = [](const Chord& c) { return c.na.dot(c.nb) < 0.5; };
+  Vec3 n = da.cross(db).normalized();
+  if (!over_edge(A) && !over_edge(B)) {
+    const Vec3 na = (A.na + A.nb).normalized(), nb = (B.na + B.nb).normalized();
+    if (na.dot(nb) <= 0.5) return false;
+    n = (na + nb).normalized();
+  }
   const double cross = n.dot(da.cross(db));
   if (std::abs(cross) <= 1e-12 * da.norm() * db.norm()) return false;
   x = n.dot(r.cross(db)) / cross;
