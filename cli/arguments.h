@@ -10,9 +10,17 @@ struct JobFlag {
   std::string flag, key, text;
 };
 
+/// What follows `afptraj wind`.
+struct WindArguments {
+  enum class Command { validate, plan };
+  Command command = Command::validate;
+  std::string file, output;
+  bool fiberpath = false;
+};
+
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.
 struct Arguments {
-  enum class Command { none, help, version, run, inspect, doctor };
+  enum class Command { none, help, version, run, inspect, wind, doctor };
   Command command = Command::none;
   std::string help;  ///< the text to print for `help`
 
@@ -21,6 +29,7 @@ struct Arguments {
   int threads = 0;                 ///< 0: all cores
   double timeout_s = 0;            ///< 0: none
   double tangent_angle_deg = 5;    ///< inspect
+  WindArguments wind;
   bool force = false, strict = false, json = false, quiet = false, verbose = false;
 };
 

@@ -103,7 +103,7 @@ void expect_error(const Outcome& outcome, int code, const std::string& words) {
 TEST_F(Cli, TellsVersionAndHelp) {
   EXPECT_EQ(run({"--version"}).out.rfind("afptraj 0.", 0), 0u);
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"--help"}, {"-h"}, {"run", "--help"}, {"inspect", "-h"}, {"doctor", "--help"}}) {
+           {"--help"}, {"-h"}, {"run", "--help"}, {"inspect", "-h"}, {"wind", "-h"}, {"wind", "plan", "-h"}, {"doctor", "--help"}}) {
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.err, "");
@@ -130,6 +130,59 @@ TEST_F(Cli, NamesTheNearestOfWhatItDoesNotKnow) {
   expect_error(run({"run", "a", "b", "--step"}), 2, "--step: needs a value");
   expect_error(run({"inspect"}), 2, "needs a STEP file");
   EXPECT_TRUE(fs::is_empty(work()));
+}
+
+const char* const tube = R"({"mandrelParameters":{"diameter":70,"windLength":100},
+"towParameters":{"width":7,"thickness":0.5},"defaultFeedRate":9000,
+"layers":[{"windType":"hoop"}]})";
+
+TEST_F(Cli, WindWritesAProgramWholeOrNotAtAll) {
+  write("tube.wind", tube);
+  const Outcome planned = run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "--json"});
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  const std::string text = content_of(*this / "tube.gcode");
+  EXPECT_EQ(text.rfind("; Parameters {", 0), 0u);
+  EXPECT_EQ(text.back(), '\n');
+  const auto json = nlohmann::json::parse(planned.out);
+  EXPECT_EQ(json["commands"], std::count(text.begin(), text.end(), '\n'));
+  EXPECT_EQ(json["layers"][0]["wind_type"], "hoop");
+
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "tube.gcode"}), 5, "tube.gcode: exists; give --force");
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "--force", "-q"}).out, "");
+  EXPECT_EQ(content_of(*this / "tube.gcode"), text);
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "--fiberpath"}).code, 0);  // replaces
+  EXPECT_NE(content_of(*this / "tube.gcode"), text);
+
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "tube.wind", "--force"}), 5, "is an input file");
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "no/tube.gcode"}), 5, "does not exist; create it first");
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "/dev/null", "--force"}), 5, "is a device or pipe");
+  const auto small_files_only = [] {
+    const rlimit limit{2000, 2000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "large.gcode"}, small_files_only).code, 5);
+  EXPECT_EQ(names(), (std::set<std::string>{"tube.wind", "tube.gcode"}));
+}
+
+TEST_F(Cli, WindRefusesInOneLine) {
+  write("tube.wind", tube);
+  EXPECT_EQ(run({"wind", "validate", "tube.wind"}).out, "tube.wind is valid.\n");
+  expect_error(run({"wind"}), 2, "afptraj wind: names no command; use validate");
+  expect_error(run({"wind", "paln", "tube.wind"}), 2, "paln: unknown command; did you mean 'plan'?");
+  expect_error(run({"wind", "plan"}), 2, "afptraj wind plan: needs a .wind file");
+  expect_error(run({"wind", "plan", "tube.wind", "--fibrepath"}), 2, "did you mean '--fiberpath'?");
+  expect_error(run({"wind", "plan", "tube.wind", "more"}), 2, "more: is one argument too many");
+  expect_error(run({"wind", "plan", "none.wind"}), 3, "none.wind: no such file");
+  write("polar.wind", R"({"mandrelParameters":{"diameter":70,"windLength":100},
+"towParameters":{"width":7,"thickness":0.5},"defaultFeedRate":9000,"layers":[{"windType":"polar"}]})");
+  expect_error(run({"wind", "plan", "polar.wind"}), 3, "polar.wind:2:90: unknown windType 'polar'");
+  expect_error(run({"wind", "plan", "polar.wind", "--fiberpath"}), 3,
+               "\\nlayers.0\\n  Input tag 'polar' found using 'wind_type' | 'windType'");
+  const Outcome whole = run({"wind", "validate", "polar.wind", "--fiberpath", "--json"});
+  EXPECT_EQ(whole.code, 3);
+  EXPECT_HAS(nlohmann::json::parse(whole.out)["message"].get<std::string>(), "\nlayers.0\n  Input tag");
+  expect_error(run({"wind", "plan", "none.wind", "--fiberpath"}), 3, "No wind definition found at none.wind");
+  EXPECT_EQ(names(), (std::set<std::string>{"tube.wind", "polar.wind"}));
 }
 
 TEST_F(Cli, JudgesValues) {
