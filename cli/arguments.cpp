@@ -267,17 +267,6 @@ class Parser {
       arguments_.tangent_angle_deg = bounded("--tangent-angle", tangent_angle_, 0, 180, false);
   }
 
-  static double bounded(const std::string& flag, const std::string& text, double lo, double hi, bool whole) {
-    const auto x = parse_number(text);
-    const std::string range = number_text(lo) + " ... " + number_text(hi);
-    if (!x || (whole && *x != std::floor(*x))) {
-      wrong(flag, "'" + printable(text) + "' is not a " + (whole ? "whole " : "") +
-                      "number; it must lie in " + range);
-    }
-    if (*x < lo || *x > hi) wrong(flag, printable(text) + " is out of range; it must lie in " + range);
-    return *x;
-  }
-
   CLI::App app_;
   CLI::App *run_ = nullptr, *inspect_ = nullptr, *wind_ = nullptr, *doctor_ = nullptr;
   Arguments arguments_;
@@ -288,6 +277,17 @@ class Parser {
 };
 
 }  // namespace
+
+double bounded(const std::string& flag, const std::string& text, double lo, double hi, bool whole) {
+  const auto x = parse_number(text);
+  const std::string range = number_text(lo) + " ... " + number_text(hi);
+  if (!x || (whole && *x != std::floor(*x))) {
+    wrong(flag, "'" + printable(text) + "' is not a " + (whole ? "whole " : "") + "number; it must lie in " +
+                    range);
+  }
+  if (*x < lo || *x > hi) wrong(flag, printable(text) + " is out of range; it must lie in " + range);
+  return *x;
+}
 
 Arguments parse_arguments(int count, const char* const* words) { return Parser().parse(count, words); }
 

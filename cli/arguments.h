@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +13,13 @@ struct JobFlag {
 
 /// What follows `afptraj wind`.
 struct WindArguments {
-  enum class Command { validate, plan };
+  enum class Command { validate, plan, simulate, patterns };
   Command command = Command::validate;
   std::string file, output;
   bool fiberpath = false;
+  std::string angle, tolerance;     ///< as typed
+  std::optional<double> angle_deg;  ///< patterns; none: that of the file's first helical layer
+  double tolerance_deg = 2;         ///< patterns
 };
 
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.
@@ -32,6 +36,9 @@ struct Arguments {
   WindArguments wind;
   bool force = false, strict = false, json = false, quiet = false, verbose = false;
 };
+
+/// The number that `text` means, in [lo, hi] and whole where asked for. Throws Error(usage, flag, ...).
+double bounded(const std::string& flag, const std::string& text, double lo, double hi, bool whole);
 
 /// Throws Error(usage), naming the nearest command or flag for an unknown one.
 Arguments parse_arguments(int count, const char* const* words);

@@ -24,6 +24,10 @@ int wind(const Arguments& arguments) {
       return wind_validate(arguments);
     case WindArguments::Command::plan:
       return wind_plan(arguments);
+    case WindArguments::Command::simulate:
+      return wind_simulate(arguments);
+    case WindArguments::Command::patterns:
+      return wind_patterns(arguments);
   }
   return 0;
 }

@@ -1,5 +1,7 @@
 #include "cli/wind_arguments.h"
 
+#include <map>
+
 #include "geometry/error.h"
 
 namespace afptraj::cli {
@@ -9,6 +11,8 @@ const char* const wind_examples = R"(Examples:
   afptraj wind validate vessel.wind
   afptraj wind plan vessel.wind -o program.gcode
   afptraj wind plan vessel.wind -o program.gcode --fiberpath
+  afptraj wind simulate program.gcode
+  afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2
 
 --fiberpath reads, judges and plans as FiberPath 0.10 does, byte for byte.)";
 
@@ -39,15 +43,45 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
   plan->add_flag("--force", *flags.force, "replace an earlier program");
   plan->add_flag("--json", *flags.json, "print a summary for machines instead of a table");
   plan->add_flag("-q,--quiet", *flags.quiet, "print errors only");
+
+  CLI::App* simulate =
+      wind->add_subcommand("simulate", "Rebuilds what a program lays: coverage, gaps, lengths, time.");
+  simulate->footer(
+      "Examples:\n  afptraj wind simulate program.gcode\n  afptraj wind simulate program.gcode --json");
+  simulate->add_option("file", arguments.file, "the program")->type_name("program.gcode");
+  simulate->add_flag("--json", *flags.json, "for machines");
+
+  CLI::App* patterns =
+      add_command(*wind, "patterns", "Lists helical patterns that close, best first.", arguments);
+  patterns->footer(
+      "Examples:\n  afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2\n\n"
+      "Angles are measured from the axis. A closing pattern puts every start at its place and\n"
+      "leaves no bare strip.");
+  patterns->add_option("--angle", arguments.angle, "winding angle [that of the first helical layer]")
+      ->type_name("DEG");
+  patterns->add_option("--tolerance", arguments.tolerance, "angles may be off by so much [2]")
+      ->type_name("DEG");
+  patterns->add_flag("--json", *flags.json, "for machines");
   return wind;
 }
 
 void finish_wind(const CLI::App& command, WindArguments& arguments) {
+  using Command = WindArguments::Command;
+  static const std::map<std::string, Command> commands{{"validate", Command::validate},
+                                                       {"plan", Command::plan},
+                                                       {"simulate", Command::simulate},
+                                                       {"patterns", Command::patterns}};
+  arguments.command = commands.at(command.get_name());
   const std::string name = "afptraj wind " + command.get_name();
-  if (arguments.file.empty())
-    throw Error(ErrorCode::usage, name, "needs a .wind file; see " + name + " --help");
-  arguments.command =
-      command.get_name() == "plan" ? WindArguments::Command::plan : WindArguments::Command::validate;
+  if (arguments.file.empty()) {
+    throw Error(ErrorCode::usage, name,
+                std::string("needs a ") +
+                    (arguments.command == Command::simulate ? "program" : ".wind file") + "; see " + name +
+                    " --help");
+  }
+  if (!arguments.angle.empty()) arguments.angle_deg = bounded("--angle", arguments.angle, 0.1, 89.9, false);
+  if (!arguments.tolerance.empty())
+    arguments.tolerance_deg = bounded("--tolerance", arguments.tolerance, 0, 45, false);
 }
 
 }  // namespace afptraj::cli

@@ -8,6 +8,8 @@ namespace afptraj::cli {
 /// The commands below `afptraj wind`; as those of commands.h.
 int wind_validate(const Arguments& arguments);
 int wind_plan(const Arguments& arguments);
+int wind_simulate(const Arguments& arguments);
+int wind_patterns(const Arguments& arguments);
 
 WindMode wind_mode(const WindArguments& arguments);
 

@@ -102,8 +102,13 @@ void expect_error(const Outcome& outcome, int code, const std::string& words) {
 
 TEST_F(Cli, TellsVersionAndHelp) {
   EXPECT_EQ(run({"--version"}).out.rfind("afptraj 0.", 0), 0u);
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"--help"}, {"-h"}, {"run", "--help"}, {"inspect", "-h"}, {"wind", "-h"}, {"wind", "plan", "-h"}, {"doctor", "--help"}}) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"--help"},
+                                                                                     {"-h"},
+                                                                                     {"run", "--help"},
+                                                                                     {"inspect", "-h"},
+                                                                                     {"wind", "-h"},
+                                                                                     {"wind", "plan", "-h"},
+                                                                                     {"doctor", "--help"}}) {
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.err, "");
@@ -154,7 +159,8 @@ TEST_F(Cli, WindWritesAProgramWholeOrNotAtAll) {
   EXPECT_NE(content_of(*this / "tube.gcode"), text);
 
   expect_error(run({"wind", "plan", "tube.wind", "-o", "tube.wind", "--force"}), 5, "is an input file");
-  expect_error(run({"wind", "plan", "tube.wind", "-o", "no/tube.gcode"}), 5, "does not exist; create it first");
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "no/tube.gcode"}), 5,
+               "does not exist; create it first");
   expect_error(run({"wind", "plan", "tube.wind", "-o", "/dev/null", "--force"}), 5, "is a device or pipe");
   const auto small_files_only = [] {
     const rlimit limit{2000, 2000};
@@ -162,6 +168,27 @@ TEST_F(Cli, WindWritesAProgramWholeOrNotAtAll) {
   };
   EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "large.gcode"}, small_files_only).code, 5);
   EXPECT_EQ(names(), (std::set<std::string>{"tube.wind", "tube.gcode"}));
+}
+
+TEST_F(Cli, WindSimulatesAndFindsPatterns) {
+  write("tube.wind", tube);
+  ASSERT_EQ(run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "-q"}).code, 0);
+  EXPECT_HAS(run({"wind", "simulate", "tube.gcode"}).out, "1 of 1: hoop");
+  const auto json = nlohmann::json::parse(run({"wind", "simulate", "tube.gcode", "--json"}).out);
+  EXPECT_EQ(json["layers"][0]["widest_gap_mm"], 0);
+  EXPECT_NEAR(json["layers"][0]["covered_share"], 1, 1e-12);
+  expect_error(run({"wind", "simulate", "tube.wind"}), 3, "Unable to locate Parameters header");
+  expect_error(run({"wind", "simulate"}), 2, "needs a program");
+
+  const std::vector<std::string> search{"wind", "patterns",    "tube.wind", "--angle",
+                                        "54.7", "--tolerance", "2",         "--json"};
+  const auto found = nlohmann::json::parse(run(search).out);
+  ASSERT_FALSE(found["patterns"].empty());
+  for (const auto& pattern : found["patterns"]) EXPECT_NEAR(pattern["windAngle"], 54.7, 2 + 1e-9);
+  EXPECT_HAS(run({"wind", "patterns", "tube.wind", "--angle", "54.7"}).out, "patternNumber");
+  expect_error(run({"wind", "patterns", "tube.wind"}), 2,
+               "--angle: is missing, and the file has no helical layer");
+  expect_error(run({"wind", "patterns", "tube.wind", "--angle", "95"}), 2, "--angle: 95 is out of range");
 }
 
 TEST_F(Cli, WindRefusesInOneLine) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/error.h"
+#include "io/program_file.h"
 #include "io/step/sha256.h"
 #include "io/wind_file.h"
 #include "tests/temporary_directory.h"
@@ -32,6 +33,18 @@ std::string verdict(const std::string& file, std::optional<WindDefinition>& defi
   return fault ? "Layer " + std::to_string(fault->layer) + ": " + fault->message : "";
 }
 
+void expect_simulation(const std::string& text, const std::filesystem::path& stored,
+                       const std::string& name) {
+  if (!std::filesystem::exists(stored)) return;
+  const auto expected = nlohmann::json::parse(test::content_of(stored));
+  const SimulatedProgram found = simulate_text(name, text);
+  EXPECT_EQ(found.commands, expected["commands_executed"]) << name;
+  EXPECT_EQ(found.moves(), expected["moves"]) << name;
+  const double time = expected["estimated_time_s"], length = expected["tow_length_mm"];
+  EXPECT_NEAR(found.time_s(), time, 1e-9 * time) << name;
+  EXPECT_NEAR(found.length_mm(), length, 1e-9 * length) << name;
+}
+
 TEST(WindCases, AreFiberPaths) {
   if (!std::filesystem::exists(cases / "index.json")) GTEST_SKIP() << "no stored cases in " << cases;
   const auto index = nlohmann::json::parse(test::content_of(cases / "index.json"));
@@ -57,6 +70,7 @@ TEST(WindCases, AreFiberPaths) {
     const double time = plan["timeSeconds"], tow = plan["towMeters"];
     EXPECT_NEAR(report.time_s(report.totals), time, 1e-9 * time) << name;
     EXPECT_NEAR(report.totals.total_length_mm() / 1000, tow, 1e-9 * tow) << name;
+    expect_simulation(text, cases / name / "simulate_summary.json", name);
     ++programs;
   }
   EXPECT_GT(programs, 0);
