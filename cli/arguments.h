@@ -13,13 +13,14 @@ struct JobFlag {
 
 /// What follows `afptraj wind`.
 struct WindArguments {
-  enum class Command { validate, plan, simulate, patterns };
+  enum class Command { validate, plan, simulate, patterns, inspect };
   Command command = Command::validate;
   std::string file, output;
   bool fiberpath = false;
-  std::string angle, tolerance;     ///< as typed
-  std::optional<double> angle_deg;  ///< patterns; none: that of the file's first helical layer
+  std::string angle, tolerance, point_count;  ///< as typed
+  std::optional<double> angle_deg;  ///< patterns, none: that of the file's first helical layer; inspect
   double tolerance_deg = 2;         ///< patterns
+  int points = 0;                   ///< inspect --json: pieces of the path that is listed
 };
 
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.

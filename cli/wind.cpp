@@ -28,6 +28,8 @@ int wind(const Arguments& arguments) {
       return wind_simulate(arguments);
     case WindArguments::Command::patterns:
       return wind_patterns(arguments);
+    case WindArguments::Command::inspect:
+      return wind_inspect(arguments);
   }
   return 0;
 }

@@ -13,6 +13,7 @@ const char* const wind_examples = R"(Examples:
   afptraj wind plan vessel.wind -o program.gcode --fiberpath
   afptraj wind simulate program.gcode
   afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2
+  afptraj wind inspect meridian.csv --angle 20
 
 --fiberpath reads, judges and plans as FiberPath 0.10 does, byte for byte.)";
 
@@ -62,6 +63,20 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
   patterns->add_option("--tolerance", arguments.tolerance, "angles may be off by so much [2]")
       ->type_name("DEG");
   patterns->add_flag("--json", *flags.json, "for machines");
+
+  CLI::App* inspect =
+      wind->add_subcommand("inspect", "Tells a mandrel's measures, and how a geodesic runs on it.");
+  inspect->footer(
+      "Examples:\n  afptraj wind inspect meridian.csv --angle 20\n"
+      "  afptraj wind inspect meridian.csv --angle 20 --points 200 --json\n\n"
+      "A meridian is a table with the columns z and r; a row that stands twice is a corner.\n"
+      "The angle is that at the widest place, measured from the axis.");
+  inspect->add_option("file", arguments.file, "the mandrel: meridian.csv or vessel.wind")
+      ->type_name("meridian.csv");
+  inspect->add_option("--angle", arguments.angle, "winding angle of a geodesic")->type_name("DEG");
+  inspect->add_option("--points", arguments.point_count, "with --json: list its path in so many pieces")
+      ->type_name("N");
+  inspect->add_flag("--json", *flags.json, "for machines");
   return wind;
 }
 
@@ -70,18 +85,23 @@ void finish_wind(const CLI::App& command, WindArguments& arguments) {
   static const std::map<std::string, Command> commands{{"validate", Command::validate},
                                                        {"plan", Command::plan},
                                                        {"simulate", Command::simulate},
-                                                       {"patterns", Command::patterns}};
+                                                       {"patterns", Command::patterns},
+                                                       {"inspect", Command::inspect}};
   arguments.command = commands.at(command.get_name());
   const std::string name = "afptraj wind " + command.get_name();
   if (arguments.file.empty()) {
-    throw Error(ErrorCode::usage, name,
-                std::string("needs a ") +
-                    (arguments.command == Command::simulate ? "program" : ".wind file") + "; see " + name +
-                    " --help");
+    const char* wanted = arguments.command == Command::simulate  ? "program"
+                         : arguments.command == Command::inspect ? "mandrel"
+                                                                 : ".wind file";
+    throw Error(ErrorCode::usage, name, std::string("needs a ") + wanted + "; see " + name + " --help");
   }
   if (!arguments.angle.empty()) arguments.angle_deg = bounded("--angle", arguments.angle, 0.1, 89.9, false);
   if (!arguments.tolerance.empty())
     arguments.tolerance_deg = bounded("--tolerance", arguments.tolerance, 0, 45, false);
+  if (!arguments.point_count.empty())
+    arguments.points = static_cast<int>(bounded("--points", arguments.point_count, 1, 1000000, true));
+  if (arguments.points > 0 && !arguments.angle_deg)
+    throw Error(ErrorCode::usage, "--points", "needs --angle; give the winding angle");
 }
 
 }  // namespace afptraj::cli

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -189,6 +190,26 @@ TEST_F(Cli, WindSimulatesAndFindsPatterns) {
   expect_error(run({"wind", "patterns", "tube.wind"}), 2,
                "--angle: is missing, and the file has no helical layer");
   expect_error(run({"wind", "patterns", "tube.wind", "--angle", "95"}), 2, "--angle: 95 is out of range");
+}
+
+TEST_F(Cli, WindInspectsMandrels) {
+  const std::string vessel = samples + "vessel/meridian.csv";
+  const auto json =
+      nlohmann::json::parse(run({"wind", "inspect", vessel, "--angle", "20", "--points", "8", "--json"}).out);
+  EXPECT_NEAR(json["widest"]["r_mm"], 150, 1e-6);
+  EXPECT_NEAR(json["geodesic"]["clairaut_mm"], 150 * std::sin(20 * M_PI / 180), 1e-6);
+  EXPECT_EQ(json["geodesic"]["first_end"]["turns"], true);
+  EXPECT_EQ(json["geodesic"]["path"].size(), 9u);
+  EXPECT_HAS(run({"wind", "inspect", vessel, "--angle", "20"}).out, "turns at r 51.3");
+  EXPECT_HAS(run({"wind", "inspect", vessel, "--angle", "5"}).out, "runs off at r 30");
+  write("tube.wind", tube);
+  EXPECT_HAS(run({"wind", "inspect", "tube.wind"}).out, "r 35 mm at z 0 mm");
+  expect_error(run({"wind", "inspect"}), 2, "needs a mandrel");
+  expect_error(run({"wind", "inspect", vessel, "--points", "5"}), 2, "--points: needs --angle");
+  write("back.csv", "z,r\n0,5\n10,5\n5,6\n20,6\n");
+  expect_error(run({"wind", "inspect", "back.csv"}), 3, "back.csv: goes back near z");
+  write("word.csv", "z,r\n0,5\n10,five\n");
+  expect_error(run({"wind", "inspect", "word.csv"}), 3, "word.csv:3: r is 'five'; write a number in mm");
 }
 
 TEST_F(Cli, WindRefusesInOneLine) {
