@@ -15,7 +15,7 @@ struct JobFlag {
 struct WindArguments {
   enum class Command { validate, plan, simulate, patterns, inspect };
   Command command = Command::validate;
-  std::string file, output;
+  std::string file, output, faces;
   bool fiberpath = false;
   std::string angle, tolerance, point_count;  ///< as typed
   std::optional<double> angle_deg;  ///< patterns, none: that of the file's first helical layer; inspect

@@ -68,14 +68,19 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
       wind->add_subcommand("inspect", "Tells a mandrel's measures, and how a geodesic runs on it.");
   inspect->footer(
       "Examples:\n  afptraj wind inspect meridian.csv --angle 20\n"
+      "  afptraj wind inspect part.step --face 2-4 --angle 20\n"
       "  afptraj wind inspect meridian.csv --angle 20 --points 200 --json\n\n"
       "A meridian is a table with the columns z and r; a row that stands twice is a corner.\n"
       "The angle is that at the widest place, measured from the axis.");
-  inspect->add_option("file", arguments.file, "the mandrel: meridian.csv or vessel.wind")
+  inspect->add_option("file", arguments.file, "the mandrel: meridian.csv, vessel.wind or part.step")
       ->type_name("meridian.csv");
   inspect->add_option("--angle", arguments.angle, "winding angle of a geodesic")->type_name("DEG");
   inspect->add_option("--points", arguments.point_count, "with --json: list its path in so many pieces")
       ->type_name("N");
+  inspect
+      ->add_option("--face", arguments.faces,
+                   "of a part: the faces of the mandrel, by number [all but planes]")
+      ->type_name("LIST");
   inspect->add_flag("--json", *flags.json, "for machines");
   return wind;
 }

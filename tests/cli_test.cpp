@@ -206,6 +206,14 @@ TEST_F(Cli, WindInspectsMandrels) {
   EXPECT_HAS(run({"wind", "inspect", "tube.wind"}).out, "r 35 mm at z 0 mm");
   expect_error(run({"wind", "inspect"}), 2, "needs a mandrel");
   expect_error(run({"wind", "inspect", vessel, "--points", "5"}), 2, "--points: needs --angle");
+  // half an ellipsoid of 400 x 320 mm, in a STEP file
+  const auto dome = nlohmann::json::parse(
+      run({"wind", "inspect", samples + "dome/part.step", "--angle", "30", "--json"}).out);
+  EXPECT_NEAR(dome["widest"]["r_mm"], 400, 1e-6);
+  EXPECT_LT(dome["deviation_mm"], 1e-6);
+  EXPECT_NEAR(dome["geodesic"]["clairaut_mm"], 200, 1e-6);
+  expect_error(run({"wind", "inspect", samples + "saddle/part.step"}), 3, "has no face of revolution");
+  expect_error(run({"wind", "inspect", vessel, "--face", "1"}), 2, "--face: is for parts");
   write("back.csv", "z,r\n0,5\n10,5\n5,6\n20,6\n");
   expect_error(run({"wind", "inspect", "back.csv"}), 3, "back.csv: goes back near z");
   write("word.csv", "z,r\n0,5\n10,five\n");
