@@ -17,8 +17,8 @@ struct WindArguments {
   Command command = Command::validate;
   std::string file, output, faces;
   bool fiberpath = false;
-  std::string angle, tolerance, point_count;  ///< as typed
-  std::optional<double> angle_deg;  ///< patterns, none: that of the file's first helical layer; inspect
+  std::string angle, angle_from, tolerance, point_count;  ///< as typed
+  std::optional<double> angle_deg;  ///< from the axis; none, in patterns: that of the first helical layer
   double tolerance_deg = 2;         ///< patterns
   int points = 0;                   ///< inspect --json: pieces of the path that is listed
 };

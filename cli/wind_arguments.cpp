@@ -3,6 +3,7 @@
 #include <map>
 
 #include "geometry/error.h"
+#include "io/text_file.h"
 
 namespace afptraj::cli {
 namespace {
@@ -22,6 +23,25 @@ CLI::App* add_command(CLI::App& wind, const char* name, const char* what, WindAr
   command->add_option("file", arguments.file, "the winding: mandrel, tow, layers")->type_name("vessel.wind");
   command->add_flag("--fiberpath", arguments.fiberpath, "by FiberPath's rules, in its words");
   return command;
+}
+
+void add_angle(CLI::App& command, WindArguments& arguments, const char* what) {
+  command.add_option("--angle", arguments.angle, what)->type_name("DEG");
+  command.add_option("--angle-from", arguments.angle_from, "where --angle counts from: axis or hoop [axis]")
+      ->type_name("FROM");
+}
+
+// The asked angle from the axis.
+std::optional<double> asked_angle(const WindArguments& arguments) {
+  const std::string& from = arguments.angle_from;
+  if (!from.empty() && from != "axis" && from != "hoop")
+    throw Error(ErrorCode::usage, "--angle-from", "'" + printable(from) + "' is unknown; use axis or hoop");
+  if (arguments.angle.empty()) {
+    if (!from.empty()) throw Error(ErrorCode::usage, "--angle-from", "needs --angle; give the winding angle");
+    return std::nullopt;
+  }
+  const double angle = bounded("--angle", arguments.angle, 0.1, 89.9, false);
+  return from == "hoop" ? 90 - angle : angle;
 }
 
 }  // namespace
@@ -56,10 +76,9 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
       add_command(*wind, "patterns", "Lists helical patterns that close, best first.", arguments);
   patterns->footer(
       "Examples:\n  afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2\n\n"
-      "Angles are measured from the axis. A closing pattern puts every start at its place and\n"
+      "Angles are listed from the axis. A closing pattern puts every start at its place and\n"
       "leaves no bare strip.");
-  patterns->add_option("--angle", arguments.angle, "winding angle [that of the first helical layer]")
-      ->type_name("DEG");
+  add_angle(*patterns, arguments, "winding angle [that of the first helical layer]");
   patterns->add_option("--tolerance", arguments.tolerance, "angles may be off by so much [2]")
       ->type_name("DEG");
   patterns->add_flag("--json", *flags.json, "for machines");
@@ -74,7 +93,7 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
       "The angle is that at the widest place, measured from the axis.");
   inspect->add_option("file", arguments.file, "the mandrel: meridian.csv, vessel.wind or part.step")
       ->type_name("meridian.csv");
-  inspect->add_option("--angle", arguments.angle, "winding angle of a geodesic")->type_name("DEG");
+  add_angle(*inspect, arguments, "winding angle of a geodesic");
   inspect->add_option("--points", arguments.point_count, "with --json: list its path in so many pieces")
       ->type_name("N");
   inspect
@@ -100,7 +119,7 @@ void finish_wind(const CLI::App& command, WindArguments& arguments) {
                                                                  : ".wind file";
     throw Error(ErrorCode::usage, name, std::string("needs a ") + wanted + "; see " + name + " --help");
   }
-  if (!arguments.angle.empty()) arguments.angle_deg = bounded("--angle", arguments.angle, 0.1, 89.9, false);
+  arguments.angle_deg = asked_angle(arguments);
   if (!arguments.tolerance.empty())
     arguments.tolerance_deg = bounded("--tolerance", arguments.tolerance, 0, 45, false);
   if (!arguments.point_count.empty())

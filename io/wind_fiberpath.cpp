@@ -315,6 +315,15 @@ void read_layer(Validation& validation, const JsonValue& value, std::size_t inde
                     [&](const JsonValue& turn) { return read_number(turn, skip.rotation_deg); });
     layers.emplace_back(skip);
   } else if (tag->kind == Kind::string && name == "helical") {
+    // A key of ours that FiberPath would pass over, and so wind another angle than the file says.
+    const JsonValue* from = value.find("angleFrom");
+    if (from != nullptr && (from->kind != Kind::string || from->text != "axis")) {
+      validation.complain(
+          location + ".helical.angleFrom",
+          {"value_error",
+           "FiberPath measures windAngle from the axis; write it so, or plan without --fiberpath"},
+          *from);
+    }
     layers.emplace_back(read_helical(reader));
   } else {
     validation.complain(location,

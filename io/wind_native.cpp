@@ -73,6 +73,15 @@ class ObjectReader {
     return value->boolean;
   }
 
+  // One of two words; the first where the key is not given.
+  std::string choice(const std::string& key, const std::string& usual, const std::string& other) {
+    const JsonValue* value = optional(key);
+    if (value == nullptr) return usual;
+    if (value->kind != Kind::string || (value->text != usual && value->text != other))
+      fail(*value, "'" + key + "' must be \"" + usual + "\" or \"" + other + "\"");
+    return value->text;
+  }
+
   std::string text(const std::string& key) {
     const JsonValue& value = required(key);
     if (!missing_.empty()) return {};
@@ -142,6 +151,7 @@ WindTow read_tow(const std::string& path, const JsonValue& value) {
 HelicalLayer read_helical(ObjectReader& reader) {
   HelicalLayer layer;
   layer.angle_deg = reader.positive("windAngle");
+  if (reader.choice("angleFrom", "axis", "hoop") == "hoop") layer.angle_deg = 90 - layer.angle_deg;
   layer.pattern = reader.count("patternNumber");
   layer.skip = reader.count("skipIndex");
   layer.lock_deg = reader.positive("lockDegrees");

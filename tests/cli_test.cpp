@@ -189,6 +189,11 @@ TEST_F(Cli, WindSimulatesAndFindsPatterns) {
   EXPECT_HAS(run({"wind", "patterns", "tube.wind", "--angle", "54.7"}).out, "patternNumber");
   expect_error(run({"wind", "patterns", "tube.wind"}), 2,
                "--angle: is missing, and the file has no helical layer");
+  const auto from_hoop = nlohmann::json::parse(
+      run({"wind", "patterns", "tube.wind", "--angle", "35.3", "--angle-from", "hoop", "--json"}).out);
+  EXPECT_NEAR(from_hoop["angle_deg"], 54.7, 1e-12);
+  expect_error(run({"wind", "patterns", "tube.wind", "--angle", "9", "--angle-from", "pole"}), 2,
+               "use axis or hoop");
   expect_error(run({"wind", "patterns", "tube.wind", "--angle", "95"}), 2, "--angle: 95 is out of range");
 }
 

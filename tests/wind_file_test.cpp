@@ -70,6 +70,23 @@ TEST_F(WindFile, BothReadAll) {
   }
 }
 
+// 55 degrees from the hoop direction are 35 from the axis, and are never taken for the other.
+TEST_F(WindFile, AnglesFromTheHoopDirection) {
+  const auto layer = [&](const std::string& keys) {
+    return file_of(R"({"windType":"helical",)" + helical_keys + keys + "}");
+  };
+  const auto angle = [&](const std::string& keys, WindMode mode) {
+    return std::get<HelicalLayer>(read(layer(keys), mode).layers[0]).angle_deg;
+  };
+  EXPECT_EQ(angle(R"(,"angleFrom":"hoop")", native), 55);
+  EXPECT_EQ(angle(R"(,"angleFrom":"axis")", native), 35);
+  EXPECT_EQ(angle(R"(,"angleFrom":"axis")", fiberpath), 35);
+  EXPECT_NE(refusal(layer(R"(,"angleFrom":"hoop")"), fiberpath).find("measures windAngle from the axis"),
+            std::string::npos);
+  EXPECT_NE(refusal(layer(R"(,"angleFrom":"pole")"), native).find("must be \"axis\" or \"hoop\""),
+            std::string::npos);
+}
+
 TEST_F(WindFile, FiberPathReadsLaxly) {
   const WindDefinition definition = read(
       R"({"mandrel_parameters":{"diameter":" 7_0.0e0 ","wind_length":true,"end_diameter":null,"bogus":1},)"
