@@ -17,10 +17,12 @@ struct WindArguments {
   Command command = Command::validate;
   std::string file, output, faces;
   bool fiberpath = false;
-  std::string angle, angle_from, tolerance, point_count;  ///< as typed
-  std::optional<double> angle_deg;  ///< from the axis; none, in patterns: that of the first helical layer
-  double tolerance_deg = 2;         ///< patterns
-  int points = 0;                   ///< inspect --json: pieces of the path that is listed
+  std::string angle, angle_from, tolerance, tow_width, overlap, point_count;  ///< as typed
+  std::optional<double> angle_deg;     ///< from the axis; none, in patterns: that of the first helical layer
+  std::optional<double> tow_width_mm;  ///< patterns on a mandrel
+  double most_overlap = 0.1;           ///< patterns on a mandrel
+  double tolerance_deg = 2;            ///< patterns
+  int points = 0;                      ///< inspect --json: pieces of the path that is listed
 };
 
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.

@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include "cli/commands.h"
 #include "cli/wind_commands.h"
 #include "geometry/error.h"
@@ -27,7 +29,9 @@ int wind(const Arguments& arguments) {
     case WindArguments::Command::simulate:
       return wind_simulate(arguments);
     case WindArguments::Command::patterns:
-      return wind_patterns(arguments);
+      return std::filesystem::path(arguments.wind.file).extension() == ".wind"
+                 ? wind_patterns(arguments)
+                 : wind_vessel_patterns(arguments);
     case WindArguments::Command::inspect:
       return wind_inspect(arguments);
   }

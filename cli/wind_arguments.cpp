@@ -75,12 +75,24 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
   CLI::App* patterns =
       add_command(*wind, "patterns", "Lists helical patterns that close, best first.", arguments);
   patterns->footer(
-      "Examples:\n  afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2\n\n"
+      "Examples:\n  afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2\n"
+      "  afptraj wind patterns meridian.csv --angle 20 --tow-width 8\n\n"
       "Angles are listed from the axis. A closing pattern puts every start at its place and\n"
       "leaves no bare strip.");
   add_angle(*patterns, arguments, "winding angle [that of the first helical layer]");
   patterns->add_option("--tolerance", arguments.tolerance, "angles may be off by so much [2]")
       ->type_name("DEG");
+  patterns
+      ->add_option("--overlap", arguments.overlap,
+                   "of a mandrel without .wind file: most overlap of tows [10]")
+      ->type_name("PERCENT");
+  patterns
+      ->add_option("--tow-width", arguments.tow_width, "of a mandrel without .wind file: width of the tow")
+      ->type_name("MM");
+  patterns
+      ->add_option("--face", arguments.faces,
+                   "of a part: the faces of the mandrel, by number [all but planes]")
+      ->type_name("LIST");
   patterns->add_flag("--json", *flags.json, "for machines");
 
   CLI::App* inspect =
@@ -120,6 +132,10 @@ void finish_wind(const CLI::App& command, WindArguments& arguments) {
     throw Error(ErrorCode::usage, name, std::string("needs a ") + wanted + "; see " + name + " --help");
   }
   arguments.angle_deg = asked_angle(arguments);
+  if (!arguments.overlap.empty())
+    arguments.most_overlap = bounded("--overlap", arguments.overlap, 0, 100, false) / 100;
+  if (!arguments.tow_width.empty())
+    arguments.tow_width_mm = bounded("--tow-width", arguments.tow_width, 0.01, 1000, false);
   if (!arguments.tolerance.empty())
     arguments.tolerance_deg = bounded("--tolerance", arguments.tolerance, 0, 45, false);
   if (!arguments.point_count.empty())

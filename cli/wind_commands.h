@@ -10,6 +10,7 @@ int wind_validate(const Arguments& arguments);
 int wind_plan(const Arguments& arguments);
 int wind_simulate(const Arguments& arguments);
 int wind_patterns(const Arguments& arguments);
+int wind_vessel_patterns(const Arguments& arguments);
 int wind_inspect(const Arguments& arguments);
 
 WindMode wind_mode(const WindArguments& arguments);

@@ -77,6 +77,13 @@ std::string table_text(const PatternQuery& query, const std::vector<FoundPattern
 }  // namespace
 
 int wind_patterns(const Arguments& arguments) {
+  // the file says it, or native planning does
+  for (const auto& [flag, text] : {std::pair{"--tow-width", &arguments.wind.tow_width},
+                                   {"--overlap", &arguments.wind.overlap},
+                                   {"--face", &arguments.wind.faces}}) {
+    if (!text->empty())
+      throw Error(ErrorCode::usage, flag, "is for mandrels without a .wind file; leave it out");
+  }
   const WindDefinition definition = read_wind_file(arguments.wind.file, wind_mode(arguments.wind));
   const PatternQuery query = query_of(arguments.wind, definition);
   const double steepest = steepest_angle_deg(definition.mandrel);

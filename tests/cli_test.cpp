@@ -219,6 +219,19 @@ TEST_F(Cli, WindInspectsMandrels) {
   EXPECT_NEAR(dome["geodesic"]["clairaut_mm"], 200, 1e-6);
   expect_error(run({"wind", "inspect", samples + "saddle/part.step"}), 3, "has no face of revolution");
   expect_error(run({"wind", "inspect", vessel, "--face", "1"}), 2, "--face: is for parts");
+  const auto patterns = nlohmann::json::parse(
+      run({"wind", "patterns", vessel, "--angle", "20", "--tow-width", "8", "--json"}).out);
+  ASSERT_FALSE(patterns["patterns"].empty());
+  for (const auto& pattern : patterns["patterns"]) EXPECT_NEAR(pattern["windAngle"], 20, 2 + 1e-9);
+  const auto tight = nlohmann::json::parse(
+      run({"wind", "patterns", vessel, "--angle", "20", "--tow-width", "8", "--overlap", "2", "--json"}).out);
+  ASSERT_FALSE(tight["patterns"].empty());
+  for (const auto& pattern : tight["patterns"]) EXPECT_LE(pattern["overlap"], 0.02);
+  expect_error(run({"wind", "patterns", vessel, "--angle", "20"}), 2, "--tow-width: is missing");
+  expect_error(run({"wind", "patterns", vessel, "--angle", "5", "--tow-width", "8"}), 4,
+               "turns at both ends");
+  expect_error(run({"wind", "patterns", "tube.wind", "--angle", "20", "--tow-width", "8"}), 2,
+               "leave it out");
   write("back.csv", "z,r\n0,5\n10,5\n5,6\n20,6\n");
   expect_error(run({"wind", "inspect", "back.csv"}), 3, "back.csv: goes back near z");
   write("word.csv", "z,r\n0,5\n10,five\n");
