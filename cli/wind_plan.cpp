@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "cli/part_file.h"
 #include "cli/terminal.h"
@@ -88,7 +89,11 @@ int wind_plan(const Arguments& arguments) {
   const WindArguments& wind = arguments.wind;
   const WindDefinition definition = read_sound_definition(wind);
   const std::string target = output_path(wind);
-  // FiberPath's users count on a second run replacing the first.
+  // FiberPath's users count on its making directories, and on a second run replacing the first.
+  if (wind.fiberpath) {
+    std::error_code told_by_the_output;
+    std::filesystem::create_directories(std::filesystem::path(target).parent_path(), told_by_the_output);
+  }
   OutputFile output(target, arguments.force || wind.fiberpath, {wind.file});
   const ProgramReport report = write_program(definition, wind_mode(wind), [&](std::string_view piece) {
     check_stop();

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "cli/mandrel_file.h"
 #include "cli/terminal.h"
 #include "cli/wind_commands.h"
@@ -69,6 +71,13 @@ std::string table_text(const VesselQuery& query, const std::vector<VesselPattern
 int wind_vessel_patterns(const Arguments& arguments) {
   const VesselQuery query = query_of(arguments.wind);
   const MandrelFile mandrel = read_mandrel(arguments.wind);
+  const double least = least_angle_deg(mandrel.meridian, query.tow_width_mm);
+  if (query.angle_deg + query.tolerance_deg < least) {
+    throw Error(
+        ErrorCode::no_path, arguments.wind.file,
+        "the polar opening at this angle is smaller than the tow; the least possible winding angle is " +
+            short_number(std::ceil(least * 1e4) / 1e4, 6) + " deg");
+  }
   const std::vector<VesselPattern> found = find_vessel_patterns(mandrel.meridian, query);
   if (found.empty()) {
     throw Error(

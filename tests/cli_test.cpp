@@ -158,6 +158,9 @@ TEST_F(Cli, WindWritesAProgramWholeOrNotAtAll) {
   EXPECT_EQ(content_of(*this / "tube.gcode"), text);
   EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "--fiberpath"}).code, 0);  // replaces
   EXPECT_NE(content_of(*this / "tube.gcode"), text);
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "new/deep/tube.gcode", "--fiberpath"}).code, 0);
+  EXPECT_EQ(content_of(*this / "new/deep/tube.gcode"), content_of(*this / "tube.gcode"));
+  fs::remove_all(*this / "new");
 
   expect_error(run({"wind", "plan", "tube.wind", "-o", "tube.wind", "--force"}), 5, "is an input file");
   expect_error(run({"wind", "plan", "tube.wind", "-o", "no/tube.gcode"}), 5,

@@ -67,6 +67,15 @@ TEST(VesselPatterns, NoneIsMissed) {
   EXPECT_EQ(found.size(), expected);
 }
 
+TEST(VesselPatterns, NoOpeningIsSmallerThanTheTow) {
+  const Meridian tank = test::vessel(100, 200, 100);
+  EXPECT_NEAR(least_angle_deg(tank, 20), std::asin(0.1) * 180 / std::numbers::pi, 1e-12);
+  const auto found = find_vessel_patterns(tank, {6, 3, 20, 0.5, 1000});
+  ASSERT_FALSE(found.empty());
+  for (const VesselPattern& pattern : found) EXPECT_GE(pattern.opening_first_mm, 10 - 1e-9);
+  EXPECT_TRUE(find_vessel_patterns(tank, {3, 1, 20, 0.5, 1000}).empty());
+}
+
 TEST(VesselPatterns, NothingWhereTheFibreRunsOff) {
   EXPECT_TRUE(find_vessel_patterns(meridian_through({{0, 50}, {300, 50}}), {30, 2, 8, 0.1, 12}).empty());
 }

@@ -21,7 +21,8 @@ class Search {
       : meridian_(meridian), query_(query), R_(meridian.at(meridian.widest()).r_mm) {}
 
   std::vector<VesselPattern> found() {
-    const double lowest = std::max(query_.angle_deg - query_.tolerance_deg, 0.01);
+    const double lowest =
+        std::max(query_.angle_deg - query_.tolerance_deg, least_angle_deg(meridian_, query_.tow_width_mm));
     const double highest = std::min(query_.angle_deg + query_.tolerance_deg, 89.99);
     std::optional<double> before;
     double at = lowest;
@@ -130,6 +131,11 @@ class Search {
 };
 
 }  // namespace
+
+double least_angle_deg(const Meridian& meridian, double tow_width_mm) {
+  const double sine = tow_width_mm / 2 / meridian.at(meridian.widest()).r_mm;
+  return degrees(std::asin(std::min(1.0, sine)));
+}
 
 std::vector<VesselPattern> find_vessel_patterns(const Meridian& meridian, const VesselQuery& query) {
   return Search(meridian, query).found();

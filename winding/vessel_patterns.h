@@ -28,10 +28,15 @@ struct VesselPattern {
   double overlap = 0;                                ///< of neighbouring tows at the widest place
 };
 
+/// The winding angle at the widest place whose polar opening is as wide as the tow; below it tows cross the
+/// axis.
+double least_angle_deg(const Meridian& meridian, double tow_width_mm);
+
 /// All patterns within the tolerance, least error of the angle first. The circuits are those that cover the
 /// widest place, N = ceil(2 pi R cos(alpha) / w); for each N and stride the angle solves
 ///   2 turn(alpha) = 360 (whole + stride / N)   to 1e-10 of a turn.
-/// Angles at which a pass does not turn at both ends are left out.
+/// Angles at which a pass does not turn at both ends, or turns nearer to the axis than half a tow, are left
+/// out.
 std::vector<VesselPattern> find_vessel_patterns(const Meridian& meridian, const VesselQuery& query);
 
 }  // namespace afptraj
