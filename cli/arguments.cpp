@@ -5,6 +5,7 @@
 #include <cmath>
 #include <list>
 
+#include "cli/wind_arguments.h"
 #include "geometry/error.h"
 #include "io/nearest_name.h"
 #include "io/number_text.h"
@@ -56,13 +57,14 @@ Exit codes: 0 done, 1 a limit is violated (--strict), 2 usage or job file, 3 bad
 const char* const main_examples = R"(Examples:
   afptraj run panel.step plies.csv      plan courses, write paths.csv, paths.step, summary.json
   afptraj inspect part.step             list the faces of a part
+  afptraj wind plan vessel.wind         write the program of a filament winder
   afptraj doctor                        versions, processor, limits
   afptraj run --help                    all flags of a command)";
 
 // The parser, with the texts that CLI11 fills in.
 class Parser {
  public:
-  Parser() : app_("afptraj plans courses of automated fibre placement on a surface.", "afptraj") {
+  Parser() : app_("afptraj plans automated fibre placement and filament winding.", "afptraj") {
     app_.footer(main_examples);
     app_.allow_extras();
     app_.set_help_flag("-h,--help", "show this help");
@@ -71,18 +73,16 @@ class Parser {
     add_inspect();
     doctor_ = app_.add_subcommand("doctor", "Versions, processor features, memory and limits.");
     doctor_->add_flag("--json", arguments_.json, "for machines");
-    for (CLI::App* command : app_.get_subcommands({})) {
-      command->allow_extras();
-      command->fallthrough(false);
-      command->set_help_flag("-h,--help", "show this help");
-    }
+    wind_ =
+        add_wind_commands(app_, arguments_.wind, {&arguments_.json, &arguments_.quiet, &arguments_.force});
+    configure(app_);
   }
 
   Arguments parse(int count, const char* const* words) {
     try {
       app_.parse(count, words);
     } catch (const CLI::CallForHelp&) {
-      return help_of(chosen());
+      return help_of(chosen(app_));
     } catch (const CLI::ParseError& e) {
       refuse(e);
     }
@@ -90,12 +90,21 @@ class Parser {
       arguments_.command = Arguments::Command::version;
       return arguments_;
     }
-    CLI::App* command = chosen();
-    refuse_extras(app_, nullptr);
+    refuse_extras(app_);
+    CLI::App* command = chosen(app_);
     if (command == nullptr)
-      wrong("command line", "names no command; use run, inspect or doctor (afptraj --help)");
-    refuse_extras(*command, command);
-    finish(command);
+      wrong("command line", "names no command; use " + commands_of(app_) + " (afptraj --help)");
+    refuse_extras(*command);
+    if (command == wind_) {
+      command = chosen(*wind_);
+      if (command == nullptr)
+        wrong("afptraj wind", "names no command; use " + commands_of(*wind_) + " (afptraj wind --help)");
+      refuse_extras(*command);
+      arguments_.command = Arguments::Command::wind;
+      finish_wind(*command, arguments_.wind);
+    } else {
+      finish(command);
+    }
     return arguments_;
   }
 
@@ -143,13 +152,47 @@ class Parser {
     return comma == std::string::npos ? flag : flag.substr(0, comma);
   }
 
-  CLI::App* chosen() const {
-    const auto commands = app_.get_subcommands();
+  // The same habits for all commands, however deep.
+  static void configure(CLI::App& parent) {
+    for (CLI::App* command : all_commands(parent)) {
+      command->allow_extras();
+      command->fallthrough(false);
+      command->set_help_flag("-h,--help", "show this help");
+      configure(*command);
+    }
+  }
+
+  static std::vector<CLI::App*> all_commands(CLI::App& parent) { return parent.get_subcommands({}); }
+  static std::vector<std::string> command_names(const CLI::App& parent) {
+    std::vector<std::string> names;
+    for (const CLI::App* known : parent.get_subcommands([](const CLI::App*) { return true; }))
+      names.push_back(known->get_name());
+    return names;
+  }
+
+  // "run, inspect or doctor"
+  static std::string commands_of(const CLI::App& parent) {
+    const std::vector<std::string> names = command_names(parent);
+    std::string text;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+    return text;
+  }
+
+  static CLI::App* chosen(const CLI::App& parent) {
+    const auto commands = parent.get_subcommands();
     return commands.empty() ? nullptr : commands.front();
+  }
+
+  // What is typed to reach a command: "afptraj wind plan".
+  static std::string full_name(const CLI::App& app) {
+    const CLI::App* parent = app.get_parent();
+    return parent == nullptr ? app.get_name() : full_name(*parent) + " " + app.get_name();
   }
 
   Arguments help_of(const CLI::App* command) {
     arguments_.command = Arguments::Command::help;
+    if (command == wind_ && chosen(*wind_) != nullptr) command = chosen(*wind_);
     arguments_.help = (command == nullptr ? &app_ : command)->help();
     return arguments_;
   }
@@ -164,26 +207,21 @@ class Parser {
   }
 
   // What nothing took: an unknown command, an unknown flag, or one argument too many.
-  void refuse_extras(const CLI::App& app, const CLI::App* command) const {
+  static void refuse_extras(const CLI::App& app) {
     const std::vector<std::string> extras = app.remaining();
     if (extras.empty()) return;
     std::string extra = extras.front();
+    const std::string help = full_name(app) + " --help";
     if (extra.size() > 1 && extra.front() == '-') {
       extra = extra.substr(0, extra.find('='));
       const std::string hint = did_you_mean(extra, flags_of(&app));
-      const std::string help =
-          command == nullptr ? "afptraj --help" : "afptraj " + command->get_name() + " --help";
       wrong(printable(extra), "unknown flag" + (hint.empty() ? "; see " + help : hint));
     }
-    if (command == nullptr) {
-      std::vector<std::string> names;
-      for (const CLI::App* known : app_.get_subcommands([](const CLI::App*) { return true; }))
-        names.push_back(known->get_name());
-      const std::string hint = did_you_mean(extra, names);
-      wrong(printable(extra),
-            "unknown command" + (hint.empty() ? "; use run, inspect or doctor (afptraj --help)" : hint));
-    }
-    wrong(printable(extra), "is one argument too many; see afptraj " + command->get_name() + " --help");
+    const std::vector<std::string> names = command_names(app);
+    if (names.empty()) wrong(printable(extra), "is one argument too many; see " + help);
+    const std::string hint = did_you_mean(extra, names);
+    wrong(printable(extra),
+          "unknown command" + (hint.empty() ? "; use " + commands_of(app) + " (" + help + ")" : hint));
   }
 
   [[noreturn]] void refuse(const CLI::ParseError& e) const {
@@ -229,19 +267,8 @@ class Parser {
       arguments_.tangent_angle_deg = bounded("--tangent-angle", tangent_angle_, 0, 180, false);
   }
 
-  static double bounded(const std::string& flag, const std::string& text, double lo, double hi, bool whole) {
-    const auto x = parse_number(text);
-    const std::string range = number_text(lo) + " ... " + number_text(hi);
-    if (!x || (whole && *x != std::floor(*x))) {
-      wrong(flag, "'" + printable(text) + "' is not a " + (whole ? "whole " : "") +
-                      "number; it must lie in " + range);
-    }
-    if (*x < lo || *x > hi) wrong(flag, printable(text) + " is out of range; it must lie in " + range);
-    return *x;
-  }
-
   CLI::App app_;
-  CLI::App *run_ = nullptr, *inspect_ = nullptr, *doctor_ = nullptr;
+  CLI::App *run_ = nullptr, *inspect_ = nullptr, *wind_ = nullptr, *doctor_ = nullptr;
   Arguments arguments_;
   bool version_ = false;
   std::string threads_, timeout_, tangent_angle_;
@@ -250,6 +277,17 @@ class Parser {
 };
 
 }  // namespace
+
+double bounded(const std::string& flag, const std::string& text, double lo, double hi, bool whole) {
+  const auto x = parse_number(text);
+  const std::string range = number_text(lo) + " ... " + number_text(hi);
+  if (!x || (whole && *x != std::floor(*x))) {
+    wrong(flag, "'" + printable(text) + "' is not a " + (whole ? "whole " : "") + "number; it must lie in " +
+                    range);
+  }
+  if (*x < lo || *x > hi) wrong(flag, printable(text) + " is out of range; it must lie in " + range);
+  return *x;
+}
 
 Arguments parse_arguments(int count, const char* const* words) { return Parser().parse(count, words); }
 

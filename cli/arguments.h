@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,23 @@ struct JobFlag {
   std::string flag, key, text;
 };
 
+/// What follows `afptraj wind`.
+struct WindArguments {
+  enum class Command { validate, plan, simulate, patterns, inspect };
+  Command command = Command::validate;
+  std::string file, output, faces;
+  bool fiberpath = false;
+  std::string angle, angle_from, tolerance, tow_width, overlap, point_count;  ///< as typed
+  std::optional<double> angle_deg;     ///< from the axis; none, in patterns: that of the first helical layer
+  std::optional<double> tow_width_mm;  ///< patterns on a mandrel
+  double most_overlap = 0.1;           ///< patterns on a mandrel
+  double tolerance_deg = 2;            ///< patterns
+  int points = 0;                      ///< inspect --json: pieces of the path that is listed
+};
+
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.
 struct Arguments {
-  enum class Command { none, help, version, run, inspect, doctor };
+  enum class Command { none, help, version, run, inspect, wind, doctor };
   Command command = Command::none;
   std::string help;  ///< the text to print for `help`
 
@@ -21,8 +36,12 @@ struct Arguments {
   int threads = 0;                 ///< 0: all cores
   double timeout_s = 0;            ///< 0: none
   double tangent_angle_deg = 5;    ///< inspect
+  WindArguments wind;
   bool force = false, strict = false, json = false, quiet = false, verbose = false;
 };
+
+/// The number that `text` means, in [lo, hi] and whole where asked for. Throws Error(usage, flag, ...).
+double bounded(const std::string& flag, const std::string& text, double lo, double hi, bool whole);
 
 /// Throws Error(usage), naming the nearest command or flag for an unknown one.
 Arguments parse_arguments(int count, const char* const* words);

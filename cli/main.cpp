@@ -23,6 +23,8 @@ int dispatch(const Arguments& arguments) {
       return run(arguments);
     case Arguments::Command::inspect:
       return inspect(arguments);
+    case Arguments::Command::wind:
+      return wind(arguments);
     case Arguments::Command::doctor:
       return doctor(arguments);
     case Arguments::Command::help:

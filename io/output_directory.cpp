@@ -13,39 +13,12 @@
 #include <system_error>
 
 #include "geometry/error.h"
+#include "io/output_place.h"
 #include "io/text_file.h"
 
 namespace afptraj {
 namespace fs = std::filesystem;
 namespace {
-
-[[noreturn]] void cannot(const fs::path& path, const std::string& message) {
-  throw Error(ErrorCode::cannot_write, path.string(), message);
-}
-
-std::string reason_for(int number) {
-  switch (number) {
-    case ENOSPC:
-      return "no space left on the device; free some or choose another place with -o";
-    case EDQUOT:
-      return "the disk quota is used up; free some space or choose another place with -o";
-    case EFBIG:
-      return "the file would be larger than the system allows; raise the limit (ulimit -f)";
-    case EROFS:
-      return "the file system is read-only; choose another place with -o";
-    case EACCES:
-    case EPERM:
-      return "permission denied; choose another place with -o";
-    case ENAMETOOLONG:
-      return "the path is too long; use a shorter one";
-    case EBUSY:
-      return "is in use as a mount point; choose a directory inside it";
-    case ENOENT:
-      return "no such directory; create it first";
-    default:
-      return std::string(std::strerror(number)) + "; choose another place with -o";
-  }
-}
 
 // The prefix of sibling directories of `target`.
 std::string staging_prefix(const fs::path& target) {
@@ -64,13 +37,6 @@ int lock_directory(const fs::path& path) {
   return fd;
 }
 
-void flush_directory(const fs::path& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);  // some file systems cannot flush a directory; the rename is atomic all the same
-  ::close(fd);
-}
-
 // A name in the directory that afptraj does not write; empty when there is none.
 std::string foreign_entry(const fs::path& directory) {
   const auto& own = result_file_names();
@@ -79,7 +45,7 @@ std::string foreign_entry(const fs::path& directory) {
     const std::string name = entry.path().filename().string();
     if (std::find(own.begin(), own.end(), name) == own.end() || entry.is_directory()) return name;
   }
-  if (problem) cannot(directory, reason_for(problem.value()));
+  if (problem) cannot_write(directory, write_problem(problem.value()));
   return {};
 }
 
@@ -92,32 +58,6 @@ bool lies_in(const fs::path& file, const fs::path& directory) {
   return rest == directory.end();
 }
 
-// The target with links followed and without trailing slashes; its parent must exist.
-fs::path resolve(const fs::path& target) {
-  if (target.empty()) cannot("-o", "the output directory is empty; name one");
-  std::error_code problem;
-  fs::path path = target;
-  while (!path.has_filename() && path.has_relative_path()) path = path.parent_path();
-  const fs::file_status link = fs::symlink_status(path, problem);
-  if (fs::is_symlink(link) && !fs::exists(path, problem)) {
-    cannot(target, "is a symbolic link to nothing; remove it or choose another place with -o");
-  }
-  const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const fs::file_status status = fs::status(parent, problem);
-  if (problem.value() == ENAMETOOLONG) cannot(target, reason_for(ENAMETOOLONG));
-  if (!fs::exists(status)) {
-    cannot(target, "the directory '" + printable(parent.string(), 200) +
-                       "' does not exist; create it first (mkdir -p)");
-  }
-  if (!fs::is_directory(status))
-    cannot(target,
-           "'" + printable(parent.string(), 200) + "' is not a directory; choose another place with -o");
-  const fs::path real = fs::weakly_canonical(fs::absolute(path, problem), problem);
-  if (problem) cannot(target, reason_for(problem.value()));
-  if (real.filename().string().size() > 255) cannot(target, reason_for(ENAMETOOLONG));
-  return real;
-}
-
 }  // namespace
 
 const std::vector<std::string>& result_file_names() {
@@ -126,34 +66,34 @@ const std::vector<std::string>& result_file_names() {
 }
 
 fs::path check_output(const fs::path& target, bool force, const std::vector<fs::path>& inputs) {
-  const fs::path real = resolve(target);
+  const fs::path real = resolve_output(target);
   for (const fs::path& input : inputs) {
     std::error_code problem;
     if (fs::equivalent(input, real, problem))
-      cannot(target, "is an input file; choose another place with -o");
+      cannot_write(target, "is an input file; choose another place with -o");
     if (lies_in(input, real))
-      cannot(target,
-             "holds the input '" + printable(input.string(), 200) + "'; choose another place with -o");
+      cannot_write(target,
+                   "holds the input '" + printable(input.string(), 200) + "'; choose another place with -o");
   }
-  if (real == real.root_path()) cannot(target, "is the root directory; name a directory in it");
+  if (real == real.root_path()) cannot_write(target, "is the root directory; name a directory in it");
   std::error_code problem;
   const fs::file_status status = fs::status(real, problem);
   if (fs::exists(status)) {
-    if (!fs::is_directory(status)) cannot(target, "is a file; choose another place with -o");
+    if (!fs::is_directory(status)) cannot_write(target, "is a file; choose another place with -o");
     if (fs::equivalent(real, fs::current_path(problem), problem)) {
-      cannot(target, "is the current directory, which cannot be replaced; name a directory in it");
+      cannot_write(target, "is the current directory, which cannot be replaced; name a directory in it");
     }
     const std::string foreign = foreign_entry(real);
     if (!fs::is_empty(real, problem) && !force) {
-      cannot(target, foreign.empty() ? "exists; give --force to replace it"
-                                     : "exists and holds other files; choose another place with -o");
+      cannot_write(target, foreign.empty() ? "exists; give --force to replace it"
+                                           : "exists and holds other files; choose another place with -o");
     }
     if (!foreign.empty()) {
-      cannot(target,
-             "holds '" + printable(foreign) + "', which afptraj did not write; choose another place with -o");
+      cannot_write(target, "holds '" + printable(foreign) +
+                               "', which afptraj did not write; choose another place with -o");
     }
   }
-  if (::access(real.parent_path().c_str(), W_OK | X_OK) != 0) cannot(target, reason_for(errno));
+  if (::access(real.parent_path().c_str(), W_OK | X_OK) != 0) cannot_write(target, write_problem(errno));
   return real;
 }
 
@@ -197,7 +137,7 @@ void OutputDirectory::make_staging() {
   // Between making and locking, another run may take the directory for a leftover: then again.
   for (int attempt = 0; attempt < 100; ++attempt) {
     std::string path = (target_.parent_path() / (staging_prefix(target_) + "XXXXXX")).string();
-    if (::mkdtemp(path.data()) == nullptr) cannot(target_, reason_for(errno));
+    if (::mkdtemp(path.data()) == nullptr) cannot_write(target_, write_problem(errno));
     const int fd = lock_directory(path);
     struct stat locked {
     }, named{};
@@ -212,13 +152,13 @@ void OutputDirectory::make_staging() {
     }
     if (fd >= 0) ::close(fd);
   }
-  cannot(target_, "other runs keep removing the temporary directory; try again");
+  cannot_write(target_, "other runs keep removing the temporary directory; try again");
 }
 
 void OutputDirectory::write(const std::string& name, std::string_view content) {
   const fs::path path = staging_ / name;
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (fd < 0) cannot(target_ / name, reason_for(errno));
+  if (fd < 0) cannot_write(target_ / name, write_problem(errno));
   int problem = 0;
   while (!content.empty() && problem == 0) {
     const ssize_t done = ::write(fd, content.data(), content.size());
@@ -230,16 +170,16 @@ void OutputDirectory::write(const std::string& name, std::string_view content) {
   }
   if (problem == 0 && ::fsync(fd) != 0 && errno != EINVAL) problem = errno;
   if (::close(fd) != 0 && problem == 0) problem = errno;
-  if (problem != 0) cannot(target_ / name, reason_for(problem));
+  if (problem != 0) cannot_write(target_ / name, write_problem(problem));
 }
 
 void OutputDirectory::adopt(const std::string& name) {
   const fs::path path = staging_ / name;
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) cannot(target_ / name, reason_for(errno));
+  if (fd < 0) cannot_write(target_ / name, write_problem(errno));
   const int problem = ::fsync(fd) != 0 && errno != EINVAL ? errno : 0;
   ::close(fd);
-  if (problem != 0) cannot(target_ / name, reason_for(problem));
+  if (problem != 0) cannot_write(target_ / name, write_problem(problem));
 }
 
 void OutputDirectory::commit() {
@@ -249,19 +189,19 @@ void OutputDirectory::commit() {
   if (::rename(staging_.c_str(), target_.c_str()) != 0) {
     // A directory that holds something is not replaced by rename(2), but by an exchange.
     const bool occupied = errno == ENOTEMPTY || errno == EEXIST;
-    if (!occupied) cannot(target_, reason_for(errno));
-    if (!force_) cannot(target_, "exists; give --force to replace it");
+    if (!occupied) cannot_write(target_, write_problem(errno));
+    if (!force_) cannot_write(target_, "exists; give --force to replace it");
     exchanged = ::renameat2(AT_FDCWD, staging_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0;
     if (!exchanged) {
       // A file system without exchange: the old result steps aside, by a name that the next run cleans up.
-      if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) cannot(target_, reason_for(errno));
+      if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) cannot_write(target_, write_problem(errno));
       std::string aside = (target_.parent_path() / (staging_prefix(target_) + "XXXXXX")).string();
-      if (::mkdtemp(aside.data()) == nullptr) cannot(target_, reason_for(errno));
-      if (::rename(target_.c_str(), aside.c_str()) != 0) cannot(target_, reason_for(errno));
+      if (::mkdtemp(aside.data()) == nullptr) cannot_write(target_, write_problem(errno));
+      if (::rename(target_.c_str(), aside.c_str()) != 0) cannot_write(target_, write_problem(errno));
       if (::rename(staging_.c_str(), target_.c_str()) != 0) {
         const int problem = errno;
         static_cast<void>(::rename(aside.c_str(), target_.c_str()));
-        cannot(target_, reason_for(problem));
+        cannot_write(target_, write_problem(problem));
       }
       staging_ = aside;
       exchanged = true;

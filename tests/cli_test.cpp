@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -102,8 +103,13 @@ void expect_error(const Outcome& outcome, int code, const std::string& words) {
 
 TEST_F(Cli, TellsVersionAndHelp) {
   EXPECT_EQ(run({"--version"}).out.rfind("afptraj 0.", 0), 0u);
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"--help"}, {"-h"}, {"run", "--help"}, {"inspect", "-h"}, {"doctor", "--help"}}) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"--help"},
+                                                                                     {"-h"},
+                                                                                     {"run", "--help"},
+                                                                                     {"inspect", "-h"},
+                                                                                     {"wind", "-h"},
+                                                                                     {"wind", "plan", "-h"},
+                                                                                     {"doctor", "--help"}}) {
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0);
     EXPECT_EQ(outcome.err, "");
@@ -130,6 +136,130 @@ TEST_F(Cli, NamesTheNearestOfWhatItDoesNotKnow) {
   expect_error(run({"run", "a", "b", "--step"}), 2, "--step: needs a value");
   expect_error(run({"inspect"}), 2, "needs a STEP file");
   EXPECT_TRUE(fs::is_empty(work()));
+}
+
+const char* const tube = R"({"mandrelParameters":{"diameter":70,"windLength":100},
+"towParameters":{"width":7,"thickness":0.5},"defaultFeedRate":9000,
+"layers":[{"windType":"hoop"}]})";
+
+TEST_F(Cli, WindWritesAProgramWholeOrNotAtAll) {
+  write("tube.wind", tube);
+  const Outcome planned = run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "--json"});
+  EXPECT_EQ(planned.code, 0) << planned.err;
+  const std::string text = content_of(*this / "tube.gcode");
+  EXPECT_EQ(text.rfind("; Parameters {", 0), 0u);
+  EXPECT_EQ(text.back(), '\n');
+  const auto json = nlohmann::json::parse(planned.out);
+  EXPECT_EQ(json["commands"], std::count(text.begin(), text.end(), '\n'));
+  EXPECT_EQ(json["layers"][0]["wind_type"], "hoop");
+
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "tube.gcode"}), 5, "tube.gcode: exists; give --force");
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "--force", "-q"}).out, "");
+  EXPECT_EQ(content_of(*this / "tube.gcode"), text);
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "--fiberpath"}).code, 0);  // replaces
+  EXPECT_NE(content_of(*this / "tube.gcode"), text);
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "new/deep/tube.gcode", "--fiberpath"}).code, 0);
+  EXPECT_EQ(content_of(*this / "new/deep/tube.gcode"), content_of(*this / "tube.gcode"));
+  fs::remove_all(*this / "new");
+
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "tube.wind", "--force"}), 5, "is an input file");
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "no/tube.gcode"}), 5,
+               "does not exist; create it first");
+  expect_error(run({"wind", "plan", "tube.wind", "-o", "/dev/null", "--force"}), 5, "is a device or pipe");
+  const auto small_files_only = [] {
+    const rlimit limit{2000, 2000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  EXPECT_EQ(run({"wind", "plan", "tube.wind", "-o", "large.gcode"}, small_files_only).code, 5);
+  EXPECT_EQ(names(), (std::set<std::string>{"tube.wind", "tube.gcode"}));
+}
+
+TEST_F(Cli, WindSimulatesAndFindsPatterns) {
+  write("tube.wind", tube);
+  ASSERT_EQ(run({"wind", "plan", "tube.wind", "-o", "tube.gcode", "-q"}).code, 0);
+  EXPECT_HAS(run({"wind", "simulate", "tube.gcode"}).out, "1 of 1: hoop");
+  const auto json = nlohmann::json::parse(run({"wind", "simulate", "tube.gcode", "--json"}).out);
+  EXPECT_EQ(json["layers"][0]["widest_gap_mm"], 0);
+  EXPECT_NEAR(json["layers"][0]["covered_share"], 1, 1e-12);
+  expect_error(run({"wind", "simulate", "tube.wind"}), 3, "Unable to locate Parameters header");
+  expect_error(run({"wind", "simulate"}), 2, "needs a program");
+
+  const std::vector<std::string> search{"wind", "patterns",    "tube.wind", "--angle",
+                                        "54.7", "--tolerance", "2",         "--json"};
+  const auto found = nlohmann::json::parse(run(search).out);
+  ASSERT_FALSE(found["patterns"].empty());
+  for (const auto& pattern : found["patterns"]) EXPECT_NEAR(pattern["windAngle"], 54.7, 2 + 1e-9);
+  EXPECT_HAS(run({"wind", "patterns", "tube.wind", "--angle", "54.7"}).out, "patternNumber");
+  expect_error(run({"wind", "patterns", "tube.wind"}), 2,
+               "--angle: is missing, and the file has no helical layer");
+  const auto from_hoop = nlohmann::json::parse(
+      run({"wind", "patterns", "tube.wind", "--angle", "35.3", "--angle-from", "hoop", "--json"}).out);
+  EXPECT_NEAR(from_hoop["angle_deg"], 54.7, 1e-12);
+  expect_error(run({"wind", "patterns", "tube.wind", "--angle", "9", "--angle-from", "pole"}), 2,
+               "use axis or hoop");
+  expect_error(run({"wind", "patterns", "tube.wind", "--angle", "95"}), 2, "--angle: 95 is out of range");
+}
+
+TEST_F(Cli, WindInspectsMandrels) {
+  const std::string vessel = samples + "vessel/meridian.csv";
+  const auto json =
+      nlohmann::json::parse(run({"wind", "inspect", vessel, "--angle", "20", "--points", "8", "--json"}).out);
+  EXPECT_NEAR(json["widest"]["r_mm"], 150, 1e-6);
+  EXPECT_NEAR(json["geodesic"]["clairaut_mm"], 150 * std::sin(20 * M_PI / 180), 1e-6);
+  EXPECT_EQ(json["geodesic"]["first_end"]["turns"], true);
+  EXPECT_EQ(json["geodesic"]["path"].size(), 9u);
+  EXPECT_HAS(run({"wind", "inspect", vessel, "--angle", "20"}).out, "turns at r 51.3");
+  EXPECT_HAS(run({"wind", "inspect", vessel, "--angle", "5"}).out, "runs off at r 30");
+  write("tube.wind", tube);
+  EXPECT_HAS(run({"wind", "inspect", "tube.wind"}).out, "r 35 mm at z 0 mm");
+  expect_error(run({"wind", "inspect"}), 2, "needs a mandrel");
+  expect_error(run({"wind", "inspect", vessel, "--points", "5"}), 2, "--points: needs --angle");
+  // half an ellipsoid of 400 x 320 mm, in a STEP file
+  const auto dome = nlohmann::json::parse(
+      run({"wind", "inspect", samples + "dome/part.step", "--angle", "30", "--json"}).out);
+  EXPECT_NEAR(dome["widest"]["r_mm"], 400, 1e-6);
+  EXPECT_LT(dome["deviation_mm"], 1e-6);
+  EXPECT_NEAR(dome["geodesic"]["clairaut_mm"], 200, 1e-6);
+  expect_error(run({"wind", "inspect", samples + "saddle/part.step"}), 3, "has no face of revolution");
+  expect_error(run({"wind", "inspect", vessel, "--face", "1"}), 2, "--face: is for parts");
+  const auto patterns = nlohmann::json::parse(
+      run({"wind", "patterns", vessel, "--angle", "20", "--tow-width", "8", "--json"}).out);
+  ASSERT_FALSE(patterns["patterns"].empty());
+  for (const auto& pattern : patterns["patterns"]) EXPECT_NEAR(pattern["windAngle"], 20, 2 + 1e-9);
+  const auto tight = nlohmann::json::parse(
+      run({"wind", "patterns", vessel, "--angle", "20", "--tow-width", "8", "--overlap", "2", "--json"}).out);
+  ASSERT_FALSE(tight["patterns"].empty());
+  for (const auto& pattern : tight["patterns"]) EXPECT_LE(pattern["overlap"], 0.02);
+  expect_error(run({"wind", "patterns", vessel, "--angle", "20"}), 2, "--tow-width: is missing");
+  expect_error(run({"wind", "patterns", vessel, "--angle", "5", "--tow-width", "8"}), 4,
+               "turns at both ends");
+  expect_error(run({"wind", "patterns", "tube.wind", "--angle", "20", "--tow-width", "8"}), 2,
+               "leave it out");
+  write("back.csv", "z,r\n0,5\n10,5\n5,6\n20,6\n");
+  expect_error(run({"wind", "inspect", "back.csv"}), 3, "back.csv: goes back near z");
+  write("word.csv", "z,r\n0,5\n10,five\n");
+  expect_error(run({"wind", "inspect", "word.csv"}), 3, "word.csv:3: r is 'five'; write a number in mm");
+}
+
+TEST_F(Cli, WindRefusesInOneLine) {
+  write("tube.wind", tube);
+  EXPECT_EQ(run({"wind", "validate", "tube.wind"}).out, "tube.wind is valid.\n");
+  expect_error(run({"wind"}), 2, "afptraj wind: names no command; use validate");
+  expect_error(run({"wind", "paln", "tube.wind"}), 2, "paln: unknown command; did you mean 'plan'?");
+  expect_error(run({"wind", "plan"}), 2, "afptraj wind plan: needs a .wind file");
+  expect_error(run({"wind", "plan", "tube.wind", "--fibrepath"}), 2, "did you mean '--fiberpath'?");
+  expect_error(run({"wind", "plan", "tube.wind", "more"}), 2, "more: is one argument too many");
+  expect_error(run({"wind", "plan", "none.wind"}), 3, "none.wind: no such file");
+  write("polar.wind", R"({"mandrelParameters":{"diameter":70,"windLength":100},
+"towParameters":{"width":7,"thickness":0.5},"defaultFeedRate":9000,"layers":[{"windType":"polar"}]})");
+  expect_error(run({"wind", "plan", "polar.wind"}), 3, "polar.wind:2:90: unknown windType 'polar'");
+  expect_error(run({"wind", "plan", "polar.wind", "--fiberpath"}), 3,
+               "\\nlayers.0\\n  Input tag 'polar' found using 'wind_type' | 'windType'");
+  const Outcome whole = run({"wind", "validate", "polar.wind", "--fiberpath", "--json"});
+  EXPECT_EQ(whole.code, 3);
+  EXPECT_HAS(nlohmann::json::parse(whole.out)["message"].get<std::string>(), "\nlayers.0\n  Input tag");
+  expect_error(run({"wind", "plan", "none.wind", "--fiberpath"}), 3, "No wind definition found at none.wind");
+  EXPECT_EQ(names(), (std::set<std::string>{"tube.wind", "polar.wind"}));
 }
 
 TEST_F(Cli, JudgesValues) {

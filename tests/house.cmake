@@ -17,10 +17,11 @@ add_test(NAME consumer
     -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/run.cmake)
 set_tests_properties(consumer PROPERTIES TIMEOUT 300)
 
-# Every command that README.md marks as runnable runs.
+# Every command that README.md and docs/winding.md mark as runnable runs.
 if(EXISTS ${PROJECT_SOURCE_DIR}/README.md)
   add_test(NAME readme
-    COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DPROGRAM=$<TARGET_FILE:afptraj>
+    COMMAND ${CMAKE_COMMAND} -DROOT=${PROJECT_SOURCE_DIR} -DPAGES=README.md,docs/winding.md
+      -DPROGRAM=$<TARGET_FILE:afptraj>
       -DWORK=${CMAKE_CURRENT_BINARY_DIR}/readme -P ${CMAKE_CURRENT_SOURCE_DIR}/readme/run.cmake)
   set_tests_properties(readme PROPERTIES ENVIRONMENT "${AFPTRAJ_TEST_ENVIRONMENT}")
 endif()

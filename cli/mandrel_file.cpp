@@ -1,0 +1,74 @@
+#include "cli/mandrel_file.h"
+
+#include <filesystem>
+
+#include "cli/part_file.h"
+#include "cli/terminal.h"
+#include "geometry/error.h"
+#include "io/meridian_csv.h"
+#include "io/text_file.h"
+#include "io/wind_file.h"
+#include "winding/skin_mandrel.h"
+
+namespace afptraj::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Meridian meridian_of(const WindMandrel& mandrel) {
+  return meridian_through({{0, mandrel.diameter_mm / 2},
+                           {mandrel.length_mm, mandrel.end_diameter_mm.value_or(mandrel.diameter_mm) / 2}});
+}
+
+// The faces of a part that make the mandrel: those named, or all that are not plane.
+std::vector<int> mandrel_faces(const std::shared_ptr<const Part>& part, const std::string& list) {
+  Job job;
+  if (!list.empty()) {
+    set_job_key(job, "faces.list", list, "--face");
+    return choose_faces(part, job.faces, {}).faces;
+  }
+  std::vector<int> faces;
+  for (std::size_t i = 0; i < part->faces.size(); ++i) {
+    if (part->faces[i].surface.kind() != SurfaceKind::plane) faces.push_back(static_cast<int>(i));
+  }
+  if (faces.empty())
+    throw Error(ErrorCode::bad_input, "part",
+                "has only plane faces; give a part with a surface of revolution");
+  return faces;
+}
+
+Json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+MandrelFile mandrel_of_part(const WindArguments& arguments) {
+  const auto part = std::make_shared<const Part>(read_part(arguments.file, {}).part);
+  const Skin skin(part, mandrel_faces(part, arguments.faces));
+  // As good as a STEP file's own joints are.
+  constexpr double tolerance_mm = 0.01;
+  try {
+    const SkinMandrel found = mandrel_from_skin(skin, tolerance_mm);
+    return {found.meridian,
+            {{"axis_origin", vector_json(found.origin)},
+             {"axis_direction", vector_json(found.direction)},
+             {"deviation_mm", found.deviation_mm}},
+            "axis       deviation from a surface of revolution at most " +
+                short_number(found.deviation_mm, 3) + " mm\n"};
+  } catch (const Error& e) {
+    throw Error(e.code(), arguments.file, e.what());
+  }
+}
+
+}  // namespace
+
+MandrelFile read_mandrel(const WindArguments& arguments) {
+  const std::filesystem::path kind = std::filesystem::path(arguments.file).extension();
+  if (kind != ".wind" && kind != ".csv") {
+    require_readable_file(arguments.file);
+    return mandrel_of_part(arguments);
+  }
+  if (!arguments.faces.empty())
+    throw Error(ErrorCode::usage, "--face", "is for parts; leave it out with " + kind.string() + " files");
+  if (kind == ".csv") return {read_meridian(arguments.file), Json::object(), {}};
+  return {meridian_of(read_wind_file(arguments.file, WindMode::native).mandrel), Json::object(), {}};
+}
+
+}  // namespace afptraj::cli

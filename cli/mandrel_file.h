@@ -1,0 +1,21 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "cli/arguments.h"
+#include "winding/meridian.h"
+
+namespace afptraj::cli {
+
+/// A mandrel and what is known of where it came from, for machines and for people.
+struct MandrelFile {
+  Meridian meridian;
+  nlohmann::ordered_json source = nlohmann::ordered_json::object();
+  std::string text;
+};
+
+/// From a meridian (.csv), the mandrel of a `.wind` file, or a part (anything else: STEP).
+MandrelFile read_mandrel(const WindArguments& arguments);
+
+}  // namespace afptraj::cli

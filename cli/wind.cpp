@@ -1,0 +1,41 @@
+#include <filesystem>
+
+#include "cli/commands.h"
+#include "cli/wind_commands.h"
+#include "geometry/error.h"
+#include "io/wind_file.h"
+#include "winding/layer_rules.h"
+
+namespace afptraj::cli {
+
+WindMode wind_mode(const WindArguments& arguments) {
+  return arguments.fiberpath ? WindMode::fiberpath : WindMode::native;
+}
+
+WindDefinition read_sound_definition(const WindArguments& arguments) {
+  WindDefinition definition = read_wind_file(arguments.file, wind_mode(arguments));
+  if (const auto fault = first_fault(definition, wind_mode(arguments))) {
+    throw Error(fault->code, arguments.file, "Layer " + std::to_string(fault->layer) + ": " + fault->message);
+  }
+  return definition;
+}
+
+int wind(const Arguments& arguments) {
+  switch (arguments.wind.command) {
+    case WindArguments::Command::validate:
+      return wind_validate(arguments);
+    case WindArguments::Command::plan:
+      return wind_plan(arguments);
+    case WindArguments::Command::simulate:
+      return wind_simulate(arguments);
+    case WindArguments::Command::patterns:
+      return std::filesystem::path(arguments.wind.file).extension() == ".wind"
+                 ? wind_patterns(arguments)
+                 : wind_vessel_patterns(arguments);
+    case WindArguments::Command::inspect:
+      return wind_inspect(arguments);
+  }
+  return 0;
+}
+
+}  // namespace afptraj::cli
