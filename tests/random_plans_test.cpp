@@ -1,10 +1,14 @@
 // Plans on parts drawn at random, judged: what holds on the samples must hold on parts nobody has seen.
 //
-// AFPTRAJ_RANDOM_PLANS=first:count plans that many, from that seed on, instead of the quick subset.
+// AFPTRAJ_RANDOM_PLANS=first:count plans that many, from that seed on, instead of the quick subset. A seed's
+// thousands tell the kind of part: 0 smooth ones, 1 rough panels, 2 with holes, 3 closed ones, 4 of two faces.
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <numeric>
+#include <sstream>
 #include <string>
 
 #include "analysis/judge_ply.h"
@@ -165,6 +169,17 @@ PlyOrientation drawn_ply(const Skin& skin, Draw& draw) {
   return ply;
 }
 
+std::string describe(const Drawn& drawn, const Ply& ply) {
+  const PlyReport& r = ply.report;
+  std::ostringstream out;
+  out << drawn.name << ", W " << r.band_width_mm << ", " << ply.courses.size() << " courses, E " << r.spacing_error_mm
+      << " at (" << r.spacing.where.transpose() << ") on course " << r.spacing.worst_course << ", covered "
+      << r.covered_share << ", reached " << r.reached_share;
+  for (const LooseEnd& end : r.loose_ends)
+    out << "\n  loose end of course " << end.course << " at (" << end.where.transpose() << ")";
+  return out.str();
+}
+
 class RandomPlans : public testing::TestWithParam<unsigned> {};
 
 TEST_P(RandomPlans, HoldTheirLaws) {
@@ -184,23 +199,34 @@ TEST_P(RandomPlans, HoldTheirLaws) {
     named += spot.area_mm2;
     EXPECT_FALSE(spot.reason.empty());
   }
-  std::printf("%u %s W %.1f: %zu courses, E %.2e at (%.2f,%.2f,%.2f) course %d, unresolved %zu of %zu, crossings %zu, loose %zu, covered %.4f, reached %.4f\n", GetParam(),
-              drawn.name.c_str(), r.band_width_mm, ply.courses.size(), r.spacing_error_mm, r.spacing.where.x(),r.spacing.where.y(),r.spacing.where.z(), r.spacing.worst_course, r.spacing.unresolved, r.spacing.measured,
-              r.crossings.size(), r.loose_ends.size(), r.covered_share, r.reached_share);
+  SCOPED_TRACE(describe(drawn, ply));
   EXPECT_LT(r.spacing_error_mm, 1e-3);
   EXPECT_EQ(r.spacing.unresolved, 0u);
   EXPECT_TRUE(r.crossings.empty());
   EXPECT_TRUE(r.loose_ends.empty());
-  for (const LooseEnd& e : r.loose_ends) std::printf("  loose %d at (%.3f,%.3f,%.3f)\n", e.course, e.where.x(), e.where.y(), e.where.z());
   EXPECT_GE(r.covered_share + named / r.skin_area_mm2, 0.999);
 }
 
+/// The quick subset: of each kind a few, and those that showed a fault once.
 std::vector<unsigned> seeds() {
-  unsigned first = 1, count = 16;
-  if (const char* text = std::getenv("AFPTRAJ_RANDOM_PLANS")) std::sscanf(text, "%u:%u", &first, &count);
-  std::vector<unsigned> out;
-  for (unsigned i = 0; i < count; ++i) out.push_back(first + i);
-  return out;
+  if (const char* text = std::getenv("AFPTRAJ_RANDOM_PLANS")) {
+    unsigned first = 1, count = 16;
+    std::sscanf(text, "%u:%u", &first, &count);
+    std::vector<unsigned> out(count);
+    std::iota(out.begin(), out.end(), first);
+    return out;
+  }
+  return {0,   1,   2,   3,   4,                       // sphere, torus, cone, cylinder, panel
+          1001, 1004, 1008,                            // panels where fronts fold
+          2000, 2003, 2007,                            // with holes
+          3000, 3003, 3007,                            // closed
+          4000, 4003, 4007,                            // of two faces
+          19,  122, 130, 234, 243, 258, 290, 307, 330, 362,  // a path beyond the one rim came upon the other
+          45,                                          // rays ended or not by the rounding of whole bands
+          183,                                         // an extension without the end it started from
+          82,                                          // the end of the faired path had a kink
+          1013,                                        // slivers where three fronts meet nearly in one point
+          26,  43,  306};                              // the judge at focal points
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomPlans, testing::ValuesIn(seeds()));
 
