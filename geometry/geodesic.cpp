@@ -304,6 +304,11 @@ void GeodesicTracer::wrap_outside(GeodesicState& state, Span& span) const {
   }
 }
 
+bool GeodesicTracer::beside_hole(const GeodesicState& state) const {
+  const Eigen::Matrix2d metric = first_form(skin_->derivatives(state.at)).matrix();
+  return skin_->is_hole(state.at.face, skin_->trim(state.at.face).nearest(state.at.uv, metric).loop);
+}
+
 /// Finds the face that really holds a state that should lie inside its face but does not.
 bool GeodesicTracer::relocate(GeodesicState& state) const {
   const PathFrame frame = frame_of(*skin_, state);
@@ -441,7 +446,8 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
   Span span = skin_->face(state.at.face).surface.span_at(state.at.uv, state.duv);
   const double longest = 0.1 * skin_->diagonal();
   const double least = 1e-13 * skin_->diagonal();
-  bool verify = false;
+  // A start on the boundary may lead off the skin across nothing.
+  bool verify = state.s_mm == 0 && !state.outside;
   int idle = 0;
   Here here;
   bool looked = false;
@@ -505,6 +511,7 @@ TraceEnd GeodesicTracer::advance(GeodesicState& state, double length) const {
         if (!relocate(state)) {
           state.outside = true;
           state.outside_mm = 0;
+          state.in_hole = beside_hole(state);
         }
         span = skin_->face(state.at.face).surface.span_at(state.at.uv, state.duv);
       }

@@ -84,6 +84,7 @@ class GeodesicTracer {
   void wrap_outside(GeodesicState& state, Span& span) const;
   void settle_outside(GeodesicState& state, Span& span) const;
   bool relocate(GeodesicState& state) const;
+  bool beside_hole(const GeodesicState& state) const;
   Crossing hop_pole(GeodesicState& state, const Pole& pole, double& walked) const;
   const Pole* approached_pole(const GeodesicState& state, const SurfaceDerivatives& d, double& distance,
                               double& miss) const;

@@ -1,10 +1,10 @@
 #include "geometry/geodesic.h"
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
 #include <random>
-
-#include <gtest/gtest.h>
 
 #include "geometry/curvature.h"
 #include "geometry/dormand_prince.h"
@@ -259,6 +259,28 @@ TEST(Geodesic, NoticesALoopOnTheEndOfTheDomain) {
   g.duv = -g.duv;
   ASSERT_EQ(tracer.advance(g, 40), TraceEnd::reached);
   EXPECT_FALSE(g.outside);
+}
+
+// A path that starts on the boundary, or a rounding error beyond it, and leads off the skin crosses no loop
+// on its way.
+TEST(Geodesic, LeavesAcrossNothingFromAStartOnTheBoundary) {
+  Part part = make_rectangular_part(nurbs_cylinder(350, 1000), {0, 4}, {0.2, 1});
+  const Skin skin(std::make_shared<const Part>(part), {0});
+  GeodesicOptions o = fine();
+  o.outside_limit_mm = 100;
+  const GeodesicTracer tracer(skin, o);
+  for (const double beyond : {0.0, 1e-15, 1e-12}) {
+    const SurfacePoint start{0, Uv(0.5, 0.2 - beyond)};
+    const SurfaceDerivatives d = skin.derivatives(start);
+    GeodesicState g = tracer.start(start, -d.Sv);
+    ASSERT_EQ(tracer.advance(g, 30), TraceEnd::reached);
+    EXPECT_TRUE(g.outside) << beyond;
+    EXPECT_FALSE(g.in_hole) << beyond;
+    EXPECT_EQ(tracer.advance(g, 100), TraceEnd::left) << beyond;
+    GeodesicState in = tracer.start(start, d.Sv);
+    ASSERT_EQ(tracer.advance(in, 30), TraceEnd::reached);
+    EXPECT_FALSE(in.outside) << beyond;
+  }
 }
 
 // How far a path may run outside is exact. A great circle pokes out over a circle of latitude and comes back:

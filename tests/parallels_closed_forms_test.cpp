@@ -162,7 +162,7 @@ double spacing_error(const Skin& skin, const Parallels& parallels, double spacin
     LaidCurves laid(skin, spacing);
     for (SurfaceCurve& s :
          on_skin(skin, *test::level(parallels, level.number > 0 ? level.number - 1 : level.number + 1)))
-      laid.add(std::move(s));
+      laid.add(std::move(s), level.number);
     for (const SurfaceCurve& stretch : on_skin(skin, level))
       for_each_midpoint(skin, stretch, [&](const CurveFrame& f) {
         const auto near = laid.rival(tracer, f.frame.position, f.frame.normal, 1.02 * spacing, -1, 0, 0);

@@ -54,7 +54,7 @@ double spacing_error(const Skin& skin, const Parallels& parallels, int* checked 
     for (const LevelCurve& other : parallels.levels)
       if (other.number == parent)
         for (const SurfaceCurve& c : other.curves)
-          for (SurfaceCurve& s : clip_to_skin(skin, c)) laid.add(std::move(s));
+          for (SurfaceCurve& s : clip_to_skin(skin, c)) laid.add(std::move(s), parent);
     for (const SurfaceCurve& curve : level.curves)
       for (const SurfaceCurve& s : clip_to_skin(skin, curve))
         for_each_midpoint(skin, s, [&](const CurveFrame& f) {

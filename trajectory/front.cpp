@@ -1,10 +1,10 @@
 #include "trajectory/front.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "geometry/curvature.h"
 
@@ -19,13 +19,14 @@ double chord(const Skin& skin, const Ray& a, const Ray& b) {
 
 template <typename Body>
 void for_each_index(std::size_t count, Body body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+                    });
 }
 
-/// Whether two neighbouring nodes lie on different faces or on either side of a seam: in (u, v) half of the domain
-/// or more apart.
+/// Whether two neighbouring nodes lie on different faces or on either side of a seam: in (u, v) half of the
+/// domain or more apart.
 bool seam_between(const Skin& skin, const CurveNode& a, const CurveNode& b) {
   if (a.at.face != b.at.face) return true;
   const Surface& surface = skin.face(a.at.face).surface;
@@ -58,6 +59,12 @@ GeodesicOptions for_extensions(GeodesicOptions options, double margin_mm) {
   options.margin_mm = margin_mm;
   // Short of the far side, where extensions of both ends of a path round a dome would overlap.
   options.outside_limit_mm *= 0.25;
+  return options;
+}
+
+GeodesicOptions for_lost_fronts(GeodesicOptions options, double spacing_mm) {
+  // Out by two bands, from where no ray of one band comes back, and half a band to spare.
+  options.margin_mm = std::max(options.margin_mm, 2.5 * spacing_mm);
   return options;
 }
 
@@ -94,12 +101,15 @@ bool same_chart(const Skin& skin, const CurveNode& a, const CurveNode& b) {
 }
 
 Front::Front(const GeodesicTracer& tracer, int side, const FrontOptions& options)
-    : tracer_(&tracer), extension_tracer_(tracer.skin(), for_extensions(tracer.options(), options.extension_margin_mm)),
+    : tracer_(&tracer),
+      extension_tracer_(tracer.skin(), for_extensions(tracer.options(), options.extension_margin_mm)),
+      wide_tracer_(tracer.skin(), for_lost_fronts(tracer.options(), options.spacing_mm)),
       probe_tracer_(tracer.skin(), for_probes(tracer.options(), options.validity_tolerance_mm)),
-      side_(side), options_(options) {}
+      side_(side),
+      options_(options) {}
 
-int Front::add_source(std::shared_ptr<const SourceCurve> curve, int birth) {
-  sources_.push_back({std::move(curve), birth});
+int Front::add_source(std::shared_ptr<const SourceCurve> curve, int birth, bool wide) {
+  sources_.push_back({std::move(curve), birth, wide});
   return static_cast<int>(sources_.size()) - 1;
 }
 
@@ -108,11 +118,12 @@ Ray Front::shoot(int source, double t, int level, bool* alive) const {
   const SourceCurve::Frame frame = from.curve->at(t);
   Ray ray;
   ray.t = t;
-  ray.state = tracer_->start(frame.at, side_ * frame.frame.left(), frame.normal_sign, 1, -side_ * frame.kg_per_mm,
-                             frame.outside);
+  const GeodesicTracer& tracer = tracer_of(source);
+  ray.state = tracer.start(frame.at, side_ * frame.frame.left(), frame.normal_sign, 1,
+                           -side_ * frame.kg_per_mm, frame.outside);
   ray.state.in_hole = frame.in_hole;
   const double length = (level - from.birth) * options_.spacing_mm;
-  const bool reached = length <= 0 || tracer_->advance(ray.state, length) == TraceEnd::reached;
+  const bool reached = length <= 0 || tracer.advance(ray.state, length) == TraceEnd::reached;
   if (alive) *alive = reached;
   return ray;
 }
@@ -133,12 +144,13 @@ void Front::advance(int level) {
   for (Strand& strand : strands_) {
     std::vector<char> alive(strand.rays.size());
     for_each_index(strand.rays.size(), [&](std::size_t i) {
-      alive[i] = tracer_->advance(strand.rays[i].state, options_.spacing_mm) == TraceEnd::reached;
+      alive[i] =
+          tracer_of(strand.source).advance(strand.rays[i].state, options_.spacing_mm) == TraceEnd::reached;
     });
     for (Strand& run : alive_runs(strand, alive, level)) {
       refine(run, level);
       run.trimmed = false;
-      run.fresh_end = run.lead_end = -1;
+      run.fresh_end = -1;
       split_where_rays_part(std::move(run), next);
     }
   }
@@ -239,8 +251,8 @@ void Front::refine(Strand& strand, int level) const {
       joined[i] = same_chart(skin, nodes[i], nodes[i + 1]);
       const double length = chord(skin, strand.rays[i], strand.rays[i + 1]);
       if (length > 1.5 * options_.sample_mm) halve[i] = 1;
-      // At a cusp (a focal point), or where the parametrisation changes its speed, neighbours on one chart do not
-      // join smoothly until they are close.
+      // At a cusp (a focal point), or where the parametrisation changes its speed, neighbours on one chart do
+      // not join smoothly until they are close.
       if (!joined[i] && !seam_between(skin, nodes[i], nodes[i + 1])) halve[i] = 1;
     }
     for (std::size_t i = 1; i + 1 < n; ++i) {
@@ -261,10 +273,11 @@ void Front::refine(Strand& strand, int level) const {
     for (std::size_t i = 0; i + 1 < n; ++i) {
       if (!halve[i] || strand.rays[i + 1].t - strand.rays[i].t < least_t_mm) continue;
       // Near a focal point rays crowd together in space but not in t: only t bounds the halving there.
-      const bool focal = std::min(std::abs(strand.rays[i].state.y), std::abs(strand.rays[i + 1].state.y)) < 0.1;
+      const bool focal =
+          std::min(std::abs(strand.rays[i].state.y), std::abs(strand.rays[i + 1].state.y)) < 0.1;
       const double length = chord(skin, strand.rays[i], strand.rays[i + 1]);
-      // A curve from one tangent to another is off their chord by a quarter of length times angle at most: round a
-      // sharp edge short gaps miss too.
+      // A curve from one tangent to another is off their chord by a quarter of length times angle at most:
+      // round a sharp edge short gaps miss too.
       const bool turns = 0.25 * length * (along[i + 1] - along[i]).norm() > options_.hermite_tolerance_mm;
       if (focal || !joined[i] || turns || length > 0.02 * options_.sample_mm) gaps.push_back(i);
     }
@@ -273,7 +286,8 @@ void Front::refine(Strand& strand, int level) const {
     std::vector<char> ok(gaps.size());
     for_each_index(gaps.size(), [&](std::size_t g) {
       bool alive = false;
-      mids[g] = shoot(strand.source, 0.5 * (strand.rays[gaps[g]].t + strand.rays[gaps[g] + 1].t), level, &alive);
+      mids[g] =
+          shoot(strand.source, 0.5 * (strand.rays[gaps[g]].t + strand.rays[gaps[g] + 1].t), level, &alive);
       ok[g] = alive;
     });
     std::vector<Ray> merged;
@@ -308,7 +322,9 @@ void Front::settle_links() {
 
 /// Whether a curve of a lower level lies nearer than W.
 bool Front::too_near(const PathFrame& at, const LaidCurves& laid) const {
-  return laid.rival(probe_tracer_, at.position, at.normal, options_.spacing_mm - options_.validity_tolerance_mm, -1, 0, 0)
+  return laid
+      .rival(probe_tracer_, at.position, at.normal, options_.spacing_mm - options_.validity_tolerance_mm, -1,
+             0, 0)
       .has_value();
 }
 
@@ -326,21 +342,6 @@ bool passes(const Skin& skin, const std::vector<GeodesicState>& states, double u
 }
 
 }  // namespace
-
-void Front::lead_out(int level, const LaidCurves& laid, int& next_link) {
-  const std::size_t count = strands_.size();
-  for (std::size_t i = 0; i < count; ++i)
-    for (int e = 0; e < 2; ++e) {
-      if (strands_[i].end[e] != StrandEnd::open) continue;
-      const Ray end = e == 0 ? strands_[i].rays.front() : strands_[i].rays.back();
-      if (end.state.outside || !too_near(frame_of(skin(), end.state), laid)) continue;
-      const std::vector<GeodesicState> states = way_out(end, e == 0, laid);
-      if (states.size() < 2) continue;
-      strands_.push_back(extension_strand(states, e == 0, level));
-      strands_.back().lead_end = 1 - e;
-      join(strands_[i], e, strands_.back(), next_link++);
-    }
-}
 
 void Front::extend(int level, const LaidCurves& laid, const LaidCurves& current, int& next_link) {
   const std::size_t count = strands_.size();
@@ -396,28 +397,11 @@ GeodesicState Front::onward(const Ray& end, bool backward) const {
   return g;
 }
 
-/// The geodesic on from an end within what has been swept until it leaves the skin; nothing where it does not come
-/// out of the swept within W.
-std::vector<GeodesicState> Front::way_out(const Ray& end, bool backward, const LaidCurves& laid) const {
-  GeodesicState g = onward(end, backward);
-  std::vector<GeodesicState> states = {g};
-  const double step = std::min(options_.extension_step_mm, options_.sample_mm);
-  bool out = false;
-  while (g.s_mm < options_.spacing_mm) {
-    if (extension_tracer_.advance(g, step) != TraceEnd::reached) break;
-    states.push_back(g);
-    const bool swept = too_near(frame_of(skin(), g), laid);
-    if (g.outside || (out && swept)) break;
-    out = out || !swept;
-  }
-  if (!out) states.clear();
-  return states;
-}
-
 /// The geodesic on from an end of a strand, in states a step apart.
 std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
                                             const LaidCurves& current,
-                                            const std::vector<std::vector<GeodesicState>>& made, bool* stopped) const {
+                                            const std::vector<std::vector<GeodesicState>>& made,
+                                            bool* stopped) const {
   GeodesicState g = onward(end, backward);
   std::vector<GeodesicState> states = {g};
   const double step = std::min(options_.extension_step_mm, options_.sample_mm);
@@ -431,7 +415,8 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
     const double near = 0.9 * options_.spacing_mm;
     bool met = passes(skin(), states, g.s_mm - 3 * near, at, near) || too_near_steps > 3;
     // Level 0 keeps clear of itself: nothing has been swept yet.
-    if (level == 0) met = met || current.abreast(at.position, at.normal, at.tangent, near, 1.5 * options_.sample_mm);
+    if (level == 0)
+      met = met || current.abreast(at.position, at.normal, at.tangent, near, 1.5 * options_.sample_mm);
     for (const auto& other : made) met = met || passes(skin(), other, other.back().s_mm, at, near);
     if (met) {
       *stopped = true;

@@ -15,9 +15,11 @@ struct FrontOptions {
   double hermite_tolerance_mm = 1e-5;  ///< estimated error of the cubic between rays
   double extension_step_mm = 5;
   double max_extension_mm = 1e6;
-  double extension_margin_mm = 0;      ///< how far an extension goes beyond the natural domain; rays: the tracer's
-  double validity_tolerance_mm = 2e-4; ///< a point is kept if no curve is nearer than W minus this: what Hermite
-                                       ///< curves and joined faces may be off; meetings themselves are solved
+  double extension_margin_mm =
+      0;  ///< how far an extension goes beyond the natural domain; rays: the tracer's
+  double validity_tolerance_mm =
+      2e-4;  ///< a point is kept if no curve is nearer than W minus this: what Hermite
+             ///< curves and joined faces may be off; meetings themselves are solved
 };
 
 /// A geodesic shot at a right angle from parameter `t` of a source curve.
@@ -28,10 +30,10 @@ struct Ray {
 
 /// Why a strand ends where it does.
 enum class StrandEnd {
-  open,    ///< the rays beyond left the skin
-  corner,  ///< two fronts meet here
-  stopped, ///< the rays beyond are nearer to another curve, whose front has left the skin
-  linked,  ///< the next strand goes on here, from another source
+  open,     ///< the rays beyond left the skin
+  corner,   ///< two fronts meet here
+  stopped,  ///< the rays beyond are nearer to another curve, whose front has left the skin
+  linked,   ///< the next strand goes on here, from another source
 };
 
 /// A run of neighbouring rays of one source.
@@ -39,19 +41,19 @@ struct Strand {
   int source = 0;
   std::vector<Ray> rays;
   StrandEnd end[2] = {StrandEnd::open, StrandEnd::open};
-  int link[2] = {-1, -1};    ///< same number: linked ends
-  int meeting[2] = {-1, -1}; ///< while the front is trimmed: the meeting at an end
-  int fresh_end = -1;        ///< of an extension at the level it was made: the end it starts from
-  int lead_end = -1;         ///< the same of a way out of what has been swept (lead_out)
-  bool trimmed = false;      ///< all of it has passed trim_fronts at this level
-  int parent = -1;           ///< laid curve of the level before ...
-  double parent_offset = 0;  ///< ... and how its parameter follows from a ray's: t + offset
+  int link[2] = {-1, -1};     ///< same number: linked ends
+  int meeting[2] = {-1, -1};  ///< while the front is trimmed: the meeting at an end
+  int fresh_end = -1;         ///< of an extension at the level it was made: the end it starts from
+  bool trimmed = false;       ///< all of it has passed trim_fronts at this level
+  int parent = -1;            ///< laid curve of the level before ...
+  double parent_offset = 0;   ///< ... and how its parameter follows from a ray's: t + offset
 };
 
 /// A source curve and the level it belongs to: its rays have walked (level - birth) W.
 struct FrontSource {
   std::shared_ptr<const SourceCurve> curve;
   int birth = 0;
+  bool wide = false;  ///< its rays may go farther outside (Front::wide_tracer)
 };
 
 /// One side of a family of geodesic parallels: the rays, level by level.
@@ -70,6 +72,8 @@ class Front {
   const GeodesicTracer& tracer() const { return *tracer_; }
   /// Less exact and faster: accurate to a tenth of the validity tolerance.
   const GeodesicTracer& probe_tracer() const { return probe_tracer_; }
+  /// For fronts that come back from outside (lost_fronts.h): beyond the part by up to 2.5 W.
+  const GeodesicTracer& wide_tracer() const { return wide_tracer_; }
   const Skin& skin() const { return tracer_->skin(); }
   const FrontOptions& options() const { return options_; }
   const std::vector<Strand>& strands() const { return strands_; }
@@ -77,7 +81,7 @@ class Front {
   const FrontSource& source(int index) const { return sources_[static_cast<std::size_t>(index)]; }
   bool empty() const { return strands_.empty(); }
 
-  int add_source(std::shared_ptr<const SourceCurve> curve, int birth);
+  int add_source(std::shared_ptr<const SourceCurve> curve, int birth, bool wide = false);
   void add_strand(Strand strand) { strands_.push_back(std::move(strand)); }
 
   /// The ray from parameter t of a source, walked up to `level`; `alive` is false if it left the skin.
@@ -92,11 +96,6 @@ class Front {
   /// Walks all rays from `level` - 1 to `level`, ends strands where rays left the skin, refines.
   void advance(int level);
 
-  /// Before the front is trimmed: goes on past open ends inside the skin that lie within what has been swept,
-  /// where the way on leads out of it within W. The last ray of a curve that ends at the boundary may cross another
-  /// front, which ends there only if something goes on beyond.
-  void lead_out(int level, const LaidCurves& laid, int& next_link);
-
   /// Goes on past the open ends inside the skin until the path leaves it, winds round, comes nearer
   /// than W to a curve of a lower level (`laid`), or runs ahead of another curve of this level on the
   /// same side (`current`), which will lay that place itself. What of it holds is for trim_fronts to say.
@@ -109,24 +108,31 @@ class Front {
   /// Whether another end shares the link of this one.
   bool has_partner(std::size_t strand, int end) const;
 
+  /// The runs of rays still on the skin; each new end is moved to the last place whose ray is.
+  std::vector<Strand> alive_runs(const Strand& strand, const std::vector<char>& alive, int level) const;
+
+  /// Links end `e` of a strand with the other end of the strand that goes on there.
+  static void join(Strand& strand, int e, Strand& next, int link);
+
   /// A link holds only while both of its ends do; else they are open.
   void settle_links();
 
  private:
-  std::vector<Strand> alive_runs(const Strand& strand, const std::vector<char>& alive, int level) const;
+  const GeodesicTracer& tracer_of(int source) const {
+    return sources_[static_cast<std::size_t>(source)].wide ? wide_tracer_ : *tracer_;
+  }
   void split_where_rays_part(Strand strand, std::vector<Strand>& out) const;
   Strand extension_strand(const std::vector<GeodesicState>& states, bool backward, int level);
-  static void join(Strand& strand, int e, Strand& next, int link);
   GeodesicState onward(const Ray& end, bool backward) const;
-  std::vector<GeodesicState> way_out(const Ray& end, bool backward, const LaidCurves& laid) const;
   bool too_near(const PathFrame& at, const LaidCurves& laid) const;
   std::vector<GeodesicState> extension(const Ray& end, bool backward, int level, const LaidCurves& laid,
                                        const LaidCurves& current,
-                                       const std::vector<std::vector<GeodesicState>>& made, bool* stopped) const;
+                                       const std::vector<std::vector<GeodesicState>>& made,
+                                       bool* stopped) const;
   bool runs_ahead(const PathFrame& at, const LaidCurves& current) const;
 
   const GeodesicTracer* tracer_;
-  GeodesicTracer extension_tracer_, probe_tracer_;
+  GeodesicTracer extension_tracer_, wide_tracer_, probe_tracer_;
   int side_;
   FrontOptions options_;
   std::vector<FrontSource> sources_;

@@ -24,9 +24,11 @@ void LaidCurves::visit_near(const Vec3& p, double radius, Visit visit) const {
       }
 }
 
-int LaidCurves::add(SurfaceCurve curve) {
+int LaidCurves::add(SurfaceCurve curve, int number, const GeodesicTracer* own_tracer) {
   const int index = static_cast<int>(curves_.size());
   Entry entry;
+  entry.number = number;
+  entry.own_tracer = own_tracer;
   for (const auto& piece : curve.pieces)
     for (const CurveNode& node : piece)
       entry.nodes.push_back({skin_->point(node.at), node.normal_sign * skin_->normal(node.at), node.t});
@@ -40,7 +42,9 @@ int LaidCurves::add(SurfaceCurve curve) {
 std::optional<LaidCurves::Rival> LaidCurves::rival(const GeodesicTracer& tracer, const Vec3& p, const Vec3& n,
                                                    double limit_mm, int own, double own_t,
                                                    double own_reach_mm) const {
-  const auto distance = [&](const Entry& entry, std::size_t i) { return (entry.nodes[i].position - p).norm(); };
+  const auto distance = [&](const Entry& entry, std::size_t i) {
+    return (entry.nodes[i].position - p).norm();
+  };
   thread_local std::vector<std::pair<int, int>> minima;
   minima.clear();
   visit_near(p, limit_mm, [&](int c, int i) {
@@ -61,8 +65,10 @@ std::optional<LaidCurves::Rival> LaidCurves::rival(const GeodesicTracer& tracer,
   std::optional<Rival> best;
   for (const auto& [c, i] : minima) {
     const Entry& entry = curves_[static_cast<std::size_t>(c)];
-    const double tolerance = std::max(1e-7, 10 * tracer.options().tolerance_mm);
-    const auto foot = geodesic_foot(tracer, entry.curve, entry.nodes[static_cast<std::size_t>(i)].t, p, tolerance);
+    const GeodesicTracer& walk = entry.own_tracer ? *entry.own_tracer : tracer;
+    const double tolerance = std::max(1e-7, 10 * walk.options().tolerance_mm);
+    const auto foot =
+        geodesic_foot(walk, entry.curve, entry.nodes[static_cast<std::size_t>(i)].t, p, tolerance);
     if (!foot || std::abs(foot->distance_mm) >= limit_mm) continue;
     if (c == own && std::abs(foot->t - own_t) <= own_reach_mm) continue;
     if (!best || std::abs(foot->distance_mm) < std::abs(best->foot.distance_mm)) best = Rival{c, *foot};
@@ -85,14 +91,15 @@ double LaidCurves::distance(const Vec3& p, const Vec3& n, double limit_mm) const
   return best;
 }
 
-bool LaidCurves::abreast(const Vec3& p, const Vec3& n, const Vec3& along, double limit_mm, double abreast_mm) const {
+bool LaidCurves::abreast(const Vec3& p, const Vec3& n, const Vec3& along, double limit_mm,
+                         double abreast_mm) const {
   bool found = false;
   visit_near(p, limit_mm, [&](int c, int i) {
     const Node& node = curves_[static_cast<std::size_t>(c)].nodes[static_cast<std::size_t>(i)];
     const Vec3 r = node.position - p;
     const double ahead = std::abs(r.dot(along));
-    if (r.norm() < limit_mm && ahead <= abreast_mm && r.squaredNorm() - ahead * ahead > abreast_mm * abreast_mm &&
-        node.normal.dot(n) > 0.5)
+    if (r.norm() < limit_mm && ahead <= abreast_mm &&
+        r.squaredNorm() - ahead * ahead > abreast_mm * abreast_mm && node.normal.dot(n) > 0.5)
       found = true;
   });
   return found;

@@ -14,9 +14,12 @@ class LaidCurves {
  public:
   LaidCurves(const Skin& skin, double cell_mm);
 
-  /// Adds a curve and returns its index.
-  int add(SurfaceCurve curve);
+  /// Adds a curve of the level `number` (left of the reference above 0, right below) and returns its index.
+  /// `own_tracer` walks to and from a curve that lies farther beyond the part than other paths may; it must
+  /// outlive this.
+  int add(SurfaceCurve curve, int number, const GeodesicTracer* own_tracer = nullptr);
   const SurfaceCurve& curve(int index) const { return curves_[static_cast<std::size_t>(index)].curve; }
+  int number(int index) const { return curves_[static_cast<std::size_t>(index)].number; }
 
   /// A curve nearer to a point than `limit_mm`, along the skin.
   struct Rival {
@@ -27,8 +30,8 @@ class LaidCurves {
   /// Looks for a curve that reaches `p` (normal `n`) over less than `limit_mm` of skin, other than the
   /// stretch around parameter `own_t` of curve `own`, which p was shot from. Candidates are the local
   /// minima of the distance in space; each is decided by the geodesic itself.
-  std::optional<Rival> rival(const GeodesicTracer& tracer, const Vec3& p, const Vec3& n, double limit_mm, int own,
-                             double own_t, double own_reach_mm) const;
+  std::optional<Rival> rival(const GeodesicTracer& tracer, const Vec3& p, const Vec3& n, double limit_mm,
+                             int own, double own_t, double own_reach_mm) const;
 
   /// The least distance in space from p to the chords of the curves, with a normal not opposite to
   /// n; `limit_mm` when there is none within it.
@@ -45,6 +48,8 @@ class LaidCurves {
   };
   struct Entry {
     SurfaceCurve curve;
+    int number;
+    const GeodesicTracer* own_tracer;
     std::vector<Node> nodes;
   };
   using Key = std::int64_t;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "trajectory/level_curve.h"
+#include "trajectory/lost_fronts.h"
 #include "trajectory/trim_front.h"
 
 namespace afptraj {
@@ -24,11 +25,12 @@ Strand sampled_strand(const Front& front, int source, double sample_mm) {
 
 /// Adds this level's curves to the result and to the laid curves, and notes for each strand where
 /// on them its rays stand.
-void lay(const GeodesicTracer& tracer, Front& front, int level, LaidCurves& laid, std::vector<LevelCurve>& out) {
+void lay(const GeodesicTracer& tracer, Front& front, int level, LaidCurves& laid,
+         std::vector<LevelCurve>& out) {
   LevelCurve result;
   result.number = front.side() * level;
   for (ChainedCurve& chain : level_curves(tracer, front, level)) {
-    const int index = laid.add(chain.curve);
+    const int index = laid.add(chain.curve, result.number);
     for (std::size_t i = 0; i < chain.strands.size(); ++i) {
       front.strands()[chain.strands[i]].parent = index;
       front.strands()[chain.strands[i]].parent_offset = chain.offsets[i];
@@ -39,9 +41,11 @@ void lay(const GeodesicTracer& tracer, Front& front, int level, LaidCurves& laid
 }
 
 /// The curves of a front at a level, found by place.
-LaidCurves curves_of(const GeodesicTracer& tracer, const Front& front, int level, const ParallelOptions& options) {
+LaidCurves curves_of(const GeodesicTracer& tracer, const Front& front, int level,
+                     const ParallelOptions& options) {
   LaidCurves out(tracer.skin(), options.front.spacing_mm);
-  for (ChainedCurve& chain : level_curves(tracer, front, level)) out.add(std::move(chain.curve));
+  for (ChainedCurve& chain : level_curves(tracer, front, level))
+    out.add(std::move(chain.curve), front.side() * level);
   return out;
 }
 
@@ -82,12 +86,16 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
     }
     if (progress && !progress(level)) break;
     const std::array<Front*, 2> both = {&left, &right};
-    for (Front* front : both) {
-      front->advance(level);
-      front->lead_out(level, laid, next_link);
-    }
+    for (Front* front : both) front->advance(level);
+    const std::array<std::vector<Strand>, 2> untrimmed = {left.strands(), right.strands()};
     trim_fronts(both, level, laid);
-    for (Front* front : both) front->extend(level, laid, curves_of(tracer, *front, level, options), next_link);
+    const auto lost = lost_fronts(both, untrimmed, level, laid);
+    if (!lost[0].empty() || !lost[1].empty()) {
+      for (std::size_t f = 0; f < 2; ++f) recall(*both[f], untrimmed[f], lost[f], next_link);
+      trim_fronts(both, level, laid);
+    }
+    for (Front* front : both)
+      front->extend(level, laid, curves_of(tracer, *front, level, options), next_link);
     trim_fronts(both, level, laid);
     // Both sides are laid only now: neither may find its own level among the lower ones.
     lay(tracer, left, level, laid, left_levels);

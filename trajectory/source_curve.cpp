@@ -67,4 +67,11 @@ SourceCurve::Frame GeodesicPath::at(double t) const {
   return out;
 }
 
+SourceCurve::Frame LaidPath::at(double t) const {
+  Frame out;
+  static_cast<CurveFrame&>(out) = frame_at(*skin_, curve_, t);
+  out.outside = !skin_->trim(out.at.face).contains(out.at.uv);
+  return out;
+}
+
 }  // namespace afptraj

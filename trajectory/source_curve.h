@@ -72,4 +72,19 @@ class GeodesicPath : public SourceCurve {
   bool backward_;
 };
 
+/// A stretch of a curve that has been laid: exact at its nodes, between them as close as its cubics.
+class LaidPath : public SourceCurve {
+ public:
+  LaidPath(const Skin& skin, SurfaceCurve curve, double first, double last)
+      : skin_(&skin), curve_(std::move(curve)), first_(first), last_(last) {}
+  double first() const override { return first_; }
+  double last() const override { return last_; }
+  Frame at(double t) const override;
+
+ private:
+  const Skin* skin_;
+  SurfaceCurve curve_;
+  double first_, last_;
+};
+
 }  // namespace afptraj

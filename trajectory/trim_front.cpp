@@ -141,7 +141,8 @@ class Trimmer {
     return reached;
   }
 
-  /// Rays short of a focal point. A Jacobi field that comes close to zero and does not change its sign has none.
+  /// Rays short of a focal point. A Jacobi field that comes close to zero and does not change its sign has
+  /// none.
   static std::vector<char> short_of_focal(const Strand& strand) {
     const std::size_t n = strand.rays.size();
     std::vector<char> out(n);
@@ -158,9 +159,11 @@ class Trimmer {
     return out;
   }
 
-  /// Whether the branch on one side of a focal point ends at a meeting before it comes there: `in` is the last
-  /// ray short of it, ray `next` the first that is not. The nearer the focal point, the younger the swallowtail.
-  static bool meets_first(const Strand& strand, std::size_t in, std::size_t next, const std::vector<Cut>& cuts) {
+  /// Whether the branch on one side of a focal point ends at a meeting before it comes there: `in` is the
+  /// last ray short of it, ray `next` the first that is not. The nearer the focal point, the younger the
+  /// swallowtail.
+  static bool meets_first(const Strand& strand, std::size_t in, std::size_t next,
+                          const std::vector<Cut>& cuts) {
     const bool forward = next > in;
     const auto& rays = strand.rays;
     std::size_t last = next;  // the first ray beyond the focal point
@@ -235,7 +238,8 @@ class Trimmer {
   bool is_clear(const Front& front, const Strand& strand, const Stretch& stretch) const {
     constexpr std::size_t probes = 7;
     if (stretch.rays.size() < probes + 2) return false;
-    // Before a cusp many rays stand within less than a sample: there the other front is no nearer than a probe can tell.
+    // Before a cusp many rays stand within less than a sample: there the other front is no nearer than a
+    // probe can tell.
     const Vec3 first = front.skin().point(stretch.rays.front().state.at);
     const bool apart = std::any_of(stretch.rays.begin(), stretch.rays.end(), [&](const Ray& ray) {
       return (front.skin().point(ray.state.at) - first).norm() > front.options().sample_mm;
@@ -327,26 +331,24 @@ class Trimmer {
     return in;
   }
 
-  /// An extension leads on from an end: where that end has been cut off, it leads from nowhere. So does a way out
-  /// of what has been swept, unless it comes out of it at a meeting.
+  /// An extension leads on from an end: where that end has been cut off, it leads from nowhere.
   static void drop_severed_extensions(Front& front) {
     std::erase_if(front.strands(), [](const Strand& strand) {
-      if (strand.fresh_end >= 0) return strand.end[strand.fresh_end] != StrandEnd::linked;
-      if (strand.lead_end < 0) return false;
-      const StrandEnd end = strand.end[strand.lead_end];
-      return end == StrandEnd::open || end == StrandEnd::stopped;
+      return strand.fresh_end >= 0 && strand.end[strand.fresh_end] != StrandEnd::linked;
     });
     front.settle_links();
   }
 
   static double chord(const Front& front, const Strand& strand) {
-    return (front.skin().point(strand.rays.front().state.at) - front.skin().point(strand.rays.back().state.at)).norm();
+    return (front.skin().point(strand.rays.front().state.at) -
+            front.skin().point(strand.rays.back().state.at))
+        .norm();
   }
 
-  /// A meeting of which only one branch is left is none. Where three fronts meet nearly in one point, a sliver of
-  /// the middle one may be kept though the outer two meet: what is swept by less than the validity tolerance
-  /// counts as clear. No other branch ends where it does. The same holds for what is left of a strand beyond a
-  /// link whose other strand has been dropped.
+  /// A meeting of which only one branch is left is none. Where three fronts meet nearly in one point, a
+  /// sliver of the middle one may be kept though the outer two meet: what is swept by less than the validity
+  /// tolerance counts as clear. No other branch ends where it does. The same holds for what is left of a
+  /// strand beyond a link whose other strand has been dropped.
   void open_lone_corners() const {
     std::vector<int> count;
     const auto each = [&](auto body) {

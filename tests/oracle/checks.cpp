@@ -21,8 +21,8 @@ Vec oriented(const Skin& skin, const Foot& at, const Vec& like) {
   return n * like < 0 ? n.Reversed() : n;
 }
 
-// On a line where the surface is only continuous either side's normal is right: the sides are looked at 1e-4 mm
-// away, where a smooth surface of radius 1 mm and more has turned by no more than the limit.
+// On a line where the surface is only continuous either side's normal is right: the sides are looked at 1e-4
+// mm away, where a smooth surface of radius 1 mm and more has turned by no more than the limit.
 double normal_miss(const Skin& skin, const Sample& s, const Vec& n) {
   constexpr double aside_mm = 1e-4;
   double miss = (n ^ s.n).Modulus();
@@ -61,6 +61,14 @@ double arc_of(double chord, double cosine) {
   return chord * (turn < 1e-6 ? 1 : 0.5 * turn / std::sin(0.5 * turn));
 }
 
+// How far a point beyond an end, `arc` away from it, is from the tangent on which the segment goes on there.
+double off_tangent(const Segment& k, const Foot& p, double arc, const ChordHit& hit) {
+  const bool at_last = 2 * hit.i + 2 > k.samples.size();
+  const Sample& end = at_last ? k.samples.back() : k.samples.front();
+  const double beyond = (p.point - end.x) * end.t * (at_last ? 1 : -1);
+  return beyond <= 0 ? arc : std::sqrt(std::max(0.0, arc * arc - beyond * beyond));
+}
+
 // Where the candidate does not face the same way, the way to it leads round an edge: its chord says nothing,
 // so both sides are tried with the expected length.
 DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p, double s0, bool facing,
@@ -74,8 +82,9 @@ DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p,
   return left.kind == Kind::found || right.kind != Kind::found ? left : right;
 }
 
-// Where a front folds several feet lie close together, and the one found from the nearest chord need not be the
-// nearest. A distance of more than the band asks for others, from places along the segment on either side.
+// Where a front folds several feet lie close together, and the one found from the nearest chord need not be
+// the nearest. A distance of more than the band asks for others, from places along the segment on either
+// side.
 DistanceResult nearest_foot(const Skin& skin, const Segment& k, const Foot& p, double s0, DistanceResult best,
                             double band_mm) {
   constexpr int seeds = 16;
@@ -222,7 +231,8 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
   const double first = segment.samples.front().s, last = segment.samples.back().s;
   for (int iteration = 0; iteration < 25; ++iteration) {
     const Segment::Point c = segment.at(s);
-    if (!std::isfinite(s) || !std::isfinite(c.x.SquareModulus()) || segment.samples[c.i].at.face < 0) return result;
+    if (!std::isfinite(s) || !std::isfinite(c.x.SquareModulus()) || segment.samples[c.i].at.face < 0)
+      return result;
     const Foot start = skin.nearest(c.x, &segment.samples[c.i].at, 1e-3);
     if (start.face < 0) return result;
     const Vec n = oriented(skin, start, segment.samples[c.i].n);
@@ -300,7 +310,7 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         const Foot p = skin.nearest(segment.at(s).x, &segment.samples[i].at, 1e-3);
         DistanceResult best;
         bool beyond = false, open = false, faced = false;
-        double nearest_end = 1e300;
+        double nearest_end = 1e300, nearest_line = 1e300;
         for (const ChordHit& hit : index.near(p.point, 1.5 * band_mm, 2 * band_mm)) {
           const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
           const double s0 = k.samples[hit.i].s + hit.x * (k.samples[hit.i + 1].s - k.samples[hit.i].s);
@@ -311,6 +321,7 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
           if (d.kind == DistanceResult::Kind::beyond_end) {
             beyond = true;
             nearest_end = std::min(nearest_end, arc_of(hit.distance, cosine));
+            nearest_line = std::min(nearest_line, off_tangent(k, p, arc_of(hit.distance, cosine), hit));
           }
           if (d.kind == DistanceResult::Kind::unresolved) open = open || facing;
           faced = faced || facing;
@@ -321,8 +332,9 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
           ++((open || !faced) && !beyond ? check.unresolved : check.beyond_end);
           continue;
         }
-        // Nearer than the foot, but not nearer than W, lies an end: beside a foot farther off there is none.
-        if (nearest_end >= band_mm && nearest_end < best.distance) {
+        // Nearer than the foot, but not nearer than W, lies an end, or what goes on beyond it off the skin:
+        // beside a foot farther off there is none.
+        if (nearest_end >= band_mm && std::min(nearest_end, nearest_line) < best.distance) {
           ++check.beyond_end;
           continue;
         }

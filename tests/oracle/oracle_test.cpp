@@ -165,8 +165,8 @@ TEST(Geodesic, TurnsStraightOverACrease) {
   EXPECT_LT((shot.at.point - exact).Modulus(), 1e-3);  // the edge is met to a thousandth of the way
 }
 
-// An apex has no tangent plane: a shot from one, or into one, falls short and is finite. Once it became a NaN and ended
-// the program.
+// An apex has no tangent plane: a shot from one, or into one, falls short and is finite. Once it became a NaN
+// and ended the program.
 TEST(Geodesic, EndsAtAnApex) {
   const double angle = 0.6, radius = 100, slant = radius / std::sin(angle);
   const Handle(Geom_Surface) cone = new Geom_ConicalSurface(gp_Ax3(), angle, radius);
@@ -205,18 +205,21 @@ TEST(Distance, ParallelsOfTheEquator) {
 TEST(Distance, IsFoundFromRoundedCoordinates) {
   const double R = 1e4, d = 800;
   const gp_Pnt centre(5e4, 5e4, 0);
-  const Skin skin({face_of(new Geom_SphericalSurface(gp_Ax3(centre, gp_Dir(0, 0, 1)), R), -0.5, 1.5, -1, 1.5)});
+  const Skin skin(
+      {face_of(new Geom_SphericalSurface(gp_Ax3(centre, gp_Dir(0, 0, 1)), R), -0.5, 1.5, -1, 1.5)});
   const auto rounded = [](const Vec& v) {
     const auto r = [](double x) { return std::round(x * 1e9) / 1e9; };
     return Vec(r(v.X()), r(v.Y()), r(v.Z()));
   };
   const double latitude = 1.2;
   PlyPaths ply{"p", {parallel_of(0, R, latitude, 1, 5000)}};
-  for (Sample& s : ply.segments[0].samples) s.x = rounded(s.x + Vec(centre.XYZ())), s.t = rounded(s.t), s.n = rounded(s.n);
+  for (Sample& s : ply.segments[0].samples)
+    s.x = rounded(s.x + Vec(centre.XYZ())), s.t = rounded(s.t), s.n = rounded(s.n);
   check_on_surface(skin, ply);
   for (int i = 1; i < 40; ++i) {
     const double a = i / 40.0, b = latitude + d / R;
-    const Vec p = Vec(std::cos(b) * std::cos(a), std::cos(b) * std::sin(a), std::sin(b)) * R + Vec(centre.XYZ());
+    const Vec p =
+        Vec(std::cos(b) * std::cos(a), std::cos(b) * std::sin(a), std::sin(b)) * R + Vec(centre.XYZ());
     const double s = a * R * std::cos(latitude);
     const DistanceResult found = geodesic_distance(skin, ply.segments[0], skin.nearest(p), s + 2);
     EXPECT_EQ(found.kind, DistanceResult::Kind::found) << i;
@@ -243,19 +246,22 @@ TEST(Spacing, ExactParallelsPassAndAPlantedErrorIsSeen) {
   EXPECT_NEAR(check_spacing(skin, paths(20), W, 300).error.value, 20, 1e-6);
 }
 
-// Beyond the end of the nearer of two lines, W and more from that end, the line behind has a foot: not the nearest
-// point. An end nearer than W excuses nothing.
+// Beyond the end of the nearer of two lines, W and more from that end, the line behind has a foot: not the
+// nearest point. So it is where the line that ends would be nearer if it went on. An end nearer than W
+// excuses nothing.
 TEST(Spacing, AFootBehindANearerEndIsNone) {
   const double W = 50;
   const Skin skin = plate(400, 200);
-  const auto check = [&](double y) {
-    PlyPaths ply{"p", {line_of(0, 10, 0, 400, 80), line_of(0, 20, 0, 100, 20), line_of(1, y, 0, 115, 23)}};
+  const auto check = [&](double y, int to) {
+    PlyPaths ply{"p", {line_of(0, 10, 0, 400, 80), line_of(0, 20, 0, 100, 20), line_of(1, y, 0, to, to / 5)}};
     check_on_surface(skin, ply);
     return check_spacing(skin, ply, W, 300);
   };
-  EXPECT_LT(check(20 + W).error.value, 1e-6);
-  EXPECT_EQ(check(20 + W).beyond_end, 3);
-  EXPECT_NEAR(check(18 + W).error.value, 8, 1e-6);
+  EXPECT_LT(check(20 + W, 115).error.value, 1e-6);
+  EXPECT_EQ(check(20 + W, 115).beyond_end, 3);
+  EXPECT_LT(check(20 + W, 150).error.value, 1e-6);
+  EXPECT_EQ(check(20 + W, 150).beyond_end, 10);
+  EXPECT_NEAR(check(18 + W, 115).error.value, 8, 1e-6);
 }
 
 TEST(Surface, SeesAPointOffTheSurfaceAndOneOutside) {
@@ -290,19 +296,20 @@ TEST(Ends, AnEdgeSharedByTwoFacesIsNotABoundary) {
   EXPECT_EQ(ends.boundary, 3);
 }
 
-// Edges run into a pole, and what stands on it to 1e-6 mm stands on them too: an end at the pole. Farther from it the
-// same edge is one that two faces share.
+// Edges run into a pole, and what stands on it to 1e-6 mm stands on them too: an end at the pole. Farther
+// from it the same edge is one that two faces share.
 TEST(Ends, APoleIsNoSharedEdge) {
   const double R = 100, beside_edge = 0.05;
   const Skin skin({face_of(sphere(R), 0, pi / 2, 0, pi / 2), face_of(sphere(R), pi / 2, pi, 0, pi / 2)});
   const auto ends = [&](double from_pole) {
     const double a = pi / 2 - beside_edge, length = R * pi / 2 - from_pole;
     return check_ends(skin, {"p", {segment_of(0, length, 20, [&](double s) {
-                        Sample p;
-                        p.n = Vec(std::cos(s / R) * std::cos(a), std::cos(s / R) * std::sin(a), std::sin(s / R));
-                        p.x = p.n * R;
-                        return p;
-                      })}});
+                               Sample p;
+                               p.n = Vec(std::cos(s / R) * std::cos(a), std::cos(s / R) * std::sin(a),
+                                         std::sin(s / R));
+                               p.x = p.n * R;
+                               return p;
+                             })}});
   };
   EXPECT_EQ(ends(5e-7).pole, 1);
   EXPECT_EQ(ends(5e-7).shared, 0);
