@@ -6,13 +6,13 @@
 #include <limits>
 #include <set>
 #include <sstream>
-#include <toml.hpp>
 #include <variant>
 
 #include "geometry/error.h"
 #include "io/nearest_name.h"
 #include "io/number_text.h"
 #include "io/text_file.h"
+#include "io/toml_file.h"
 
 namespace afptraj {
 namespace {
@@ -252,50 +252,6 @@ struct ValueText {
   }
 };
 
-// toml11 recurses into nested arrays; a file that nests absurdly deep is refused before.
-void refuse_deep_nesting(const std::string& path, const std::string& text) {
-  int depth = 0, line = 1;
-  for (const char c : text) {
-    if (c == '\n') ++line;
-    if (c == '[' || c == '{') ++depth;
-    if ((c == ']' || c == '}') && depth > 0) --depth;
-    if (depth > 32)
-      wrong(file_line(path, line), "brackets are nested more than 32 deep; a job file needs two");
-  }
-}
-
-std::string place(const std::string& path, const toml::source_location& at) {
-  return file_line(path, static_cast<int>(at.line())) + ":" + std::to_string(at.column());
-}
-
-// The place of a key: toml11 knows where its value begins, the key stands before it on the line.
-std::string key_place(const std::string& path, const std::string& name, const toml::source_location& value) {
-  const std::size_t at = value.line_str().find(name);
-  const std::size_t column = at == std::string::npos ? value.column() : at + 1;
-  return file_line(path, static_cast<int>(value.line())) + ":" + std::to_string(column);
-}
-
-// The first line of toml11's message, without its "[error] toml::parse_...:" heading.
-std::string syntax_message(const std::string& what) {
-  std::string line = what.substr(0, what.find('\n'));
-  if (line.rfind("[error] ", 0) == 0) line.erase(0, 8);
-  if (line.rfind("toml::", 0) == 0 && line.find(": ") != std::string::npos)
-    line.erase(0, line.find(": ") + 2);
-  return line;
-}
-
-toml::value parse_toml(const std::string& path, const std::string& text) {
-  std::istringstream stream(text);
-  try {
-    return toml::parse(stream, path);
-  } catch (const toml::exception& e) {
-    wrong(place(path, e.location()),
-          "is not valid TOML: " + printable(syntax_message(e.what()), 160) + "; correct the line");
-  } catch (const std::exception& e) {
-    wrong(path, "is not valid TOML: " + printable(syntax_message(e.what()), 160) + "; correct the file");
-  }
-}
-
 std::vector<std::string> table_names() {
   std::vector<std::string> names;
   for (const Key& key : keys()) {
@@ -341,37 +297,24 @@ std::string unknown_table(const std::string& name, bool is_table) {
          (is_table ? "]" : "'") + (hint.empty() ? "; the tables are " + quoted_list(table_names()) : hint);
 }
 
-// TOML tables are unordered; the entry that stands first in the file is judged first.
-std::vector<std::pair<std::string, toml::value>> in_file_order(const toml::table& table) {
-  std::vector<std::pair<std::string, toml::value>> entries(table.begin(), table.end());
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    const auto la = a.second.location(), lb = b.second.location();
-    return std::make_tuple(la.line(), la.column(), a.first) <
-           std::make_tuple(lb.line(), lb.column(), b.first);
-  });
-  return entries;
-}
-
 }  // namespace
 
 Job read_job(const std::string& path) {
-  const std::string text = read_text_file(path, 1000000, ErrorCode::usage);
-  refuse_deep_nesting(path, text);
-  const toml::value root = parse_toml(path, text);
+  const toml::value root = parse_toml_file(path);
   Job job;
   for (const auto& [table, content] : in_file_order(root.as_table())) {
     const auto names = table_names();
     if (std::find(names.begin(), names.end(), table) == names.end()) {
-      wrong(key_place(path, table, content.location()), unknown_table(table, content.is_table()));
+      wrong(toml_key_place(path, table, content.location()), unknown_table(table, content.is_table()));
     }
     if (!content.is_table()) {
-      wrong(place(path, content.location()),
+      wrong(toml_place(path, content.location()),
             "'" + table + "' must be a table; write [" + table + "] on a line of its own");
     }
     for (const auto& [name, value] : in_file_order(content.as_table())) {
       const Key* key = find_key(table, name);
-      if (key == nullptr) wrong(key_place(path, name, value.location()), unknown_key(table, name));
-      std::visit(FromToml{job, *key, value, place(path, value.location())}, key->value);
+      if (key == nullptr) wrong(toml_key_place(path, name, value.location()), unknown_key(table, name));
+      std::visit(FromToml{job, *key, value, toml_place(path, value.location())}, key->value);
     }
   }
   check_job(job, path);

@@ -11,6 +11,7 @@
 #include "geometry/geodesic.h"
 #include "tests/meridians.h"
 #include "winding/frustum.h"
+#include "winding/quadrature.h"
 
 namespace afptraj {
 namespace {
@@ -121,6 +122,83 @@ TEST(MeridianGeodesic, M4EllipsoidAndBSplines) {
     expect_walk(barrel, share);
     expect_walk(ellipse, share);
   }
+}
+
+// On a spheroid of half-axes R and h a dome's half turn is, with sin u = k sin phi, k^2 = 1 - K^2 / R^2,
+//   (K / R^2) int_0^{pi/2} sqrt(h^2 + (R^2 - h^2) k^2 sin^2 phi) / (1 - k^2 sin^2 phi) dphi,
+// complete elliptic integrals of the first and third kind.
+double spheroid_turn(double R, double h, double K) {
+  const double k2 = 1 - K * K / (R * R), c = (R * R - h * h) * k2;
+  // sqrt(1 - m s) / (1 - n s) = ((m / n) + (1 - m / n) / (1 - n s)) / sqrt(1 - m s)
+  const auto both = [](double m, double n) {
+    return m / n * std::comp_ellint_1(std::sqrt(m)) + (1 - m / n) * std::comp_ellint_3(std::sqrt(m), n);
+  };
+  if (c < 0) return K * h / (R * R) * both(-c / (h * h), k2);  // prolate
+  const double whole = h * h + c;                              // oblate: from the other end of the quarter
+  return K * std::sqrt(whole) / (R * R) / (1 - k2) * both(c / whole, -k2 / (1 - k2));
+}
+
+TEST(MeridianGeodesic, M5CylinderWithEllipsoids) {
+  const double R = 150, L = 420;
+  for (const double h : {60.0, 106.0, 210.0}) {
+    const Meridian tank = vessel(R, L, h);
+    for (const double alpha : {0.1, 0.5, 1.0, 1.3}) {
+      const double K = R * std::sin(alpha);
+      const MeridianGeodesic geodesic(tank, K, 1.5);
+      const double expected = 2 * spheroid_turn(R, h, K) + L * std::tan(alpha) / R;
+      EXPECT_NEAR(geodesic.turn_rad(), expected, law * (1 + std::tan(alpha))) << h << ' ' << alpha;
+    }
+  }
+}
+
+// The geodesic isotensoid carries its pressure by fibres alone: cos(gamma) = r^3 sqrt(R^2 - K^2) /
+// (R^3 sqrt(r^2 - K^2)), gamma the meridian's angle with the axis. With q = r^2 its fibre turns by
+//   int K dq / (2 q sqrt(q - K^2 - q^3 (R^2 - K^2) / R^6)).
+struct Isotensoid {
+  double R, K;
+  // the integrand by w = sqrt(R^2 - q), which is smooth at the equator
+  double root(double q) const {
+    const double a = (R * R - K * K) / std::pow(R, 6);
+    // the cubic without its root at q = R^2
+    return std::sqrt(std::max(0.0, a * (q * q + R * R * q) - K * K / (R * R)));
+  }
+  double turn(double w_end) const {
+    return integral(
+        [&](double w) {
+          const double q = R * R - w * w;
+          return K / (q * root(q));
+        },
+        0, w_end, 1e-13);
+  }
+  double z(double w_end) const {  // dz = cos(gamma) / sin(gamma) dr
+    return integral(
+        [&](double w) {
+          const double q = R * R - w * w;
+          return q * std::sqrt(R * R - K * K) / (R * R * R) / root(q);
+        },
+        0, w_end, 1e-12);
+  }
+};
+
+double isotensoid_error(int rows) {
+  const Isotensoid dome{100, 30};
+  const double w_end = std::sqrt(100 * 100 - 40.0 * 40.0);  // to r = 40
+  std::vector<MeridianRow> meridian;
+  for (int i = 0; i <= rows; ++i) {
+    const double w = w_end * i / rows;
+    meridian.push_back({dome.z(w), std::sqrt(100 * 100 - w * w)});
+  }
+  const Meridian curve = meridian_through(meridian);
+  const MeridianGeodesic geodesic(curve, 30, curve.first());
+  EXPECT_FALSE(geodesic.last().turns);
+  return std::abs(geodesic.turn_rad() - dome.turn(w_end));
+}
+
+TEST(MeridianGeodesic, M6Isotensoid) {
+  // the spline's own error, which falls with the fourth power of the rows' distance
+  const double coarse = isotensoid_error(40), fine = isotensoid_error(160);
+  EXPECT_LT(fine, 2e-8);
+  EXPECT_GT(std::log2(coarse / fine) / 2, 3.5);
 }
 
 TEST(MeridianGeodesic, ClairautHoldsAtEveryPoint) {

@@ -28,6 +28,7 @@ class Meridian {
   MeridianPoint at(double t) const;
   /// Where pieces and polynomials meet, first and last included.
   const std::vector<double>& breaks() const { return breaks_; }
+  const std::vector<BSplineCurve2>& pieces() const { return pieces_; }
   double length_mm() const { return length_mm_; }
   /// Places of the greatest and the least radius.
   double widest() const { return widest_; }

@@ -33,6 +33,7 @@ struct FibrePoint {
 ///   (M2) On a cylinder with hemispheres the turn is pi + L tan(alpha) / R.
 ///   (M3) On a cone it is that of ConeGeodesic.
 ///   (M4) Elsewhere it is what an integrator of the geodesic's equation on the surface finds.
+///   (M5) On a cylinder with ellipsoids and (M6) on an isotensoid it is the elliptic integral of each.
 /// Source: do Carmo, ch. 4.4, ex. 1; Koussios, Filament Winding: a Unified Approach (2004), ch. 3.
 class MeridianGeodesic {
  public:
