@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "boundary/clip.h"
+#include "boundary/lay_tows.h"
 #include "geometry/error.h"
 #include "trajectory/feature_sections.h"
 #include "trajectory/parallels.h"
@@ -105,6 +106,30 @@ void judge_limits(PlyReport& report, const std::vector<Course>& courses, const P
   if (report.max_deviation_rad > options.angle_limit_rad)
     report.violations.push_back(text("fibre angle deviates by %.4g degrees, the limit is %.4g degrees",
                                      report.max_deviation_rad * 180 / pi, options.angle_limit_rad * 180 / pi));
+}
+
+/// Cuts the tows and judges how tight they turn.
+void add_tows(const Skin& skin, const Parallels& parallels, const PlanOptions& options, Ply& ply) {
+  TowLineOptions lines;
+  lines.tow_width_mm = options.tow_width_mm;
+  lines.tows = options.tows;
+  lines.coverage_rule = options.cut.coverage_rule;
+  lines.station_mm = std::min(16.0, options.band_width_mm());
+  lines.beyond_mm = options.cut.short_tows == ShortTows::drop ? 0 : options.cut.min_cut_length_mm;
+  LaidTows tows = lay_tows(skin, parallels.levels, lines, options.cut);
+  ply.bands = std::move(tows.bands);
+  ply.tows = std::move(tows.pieces);
+  ply.report.tows = tows.report;
+  if (ply.tows.empty() && tows.report.dropped > 0)
+    throw Error(ErrorCode::no_path, "ply '" + ply.name + "'",
+                text("every tow is shorter than min_cut_length %.6g mm; lower it, or let short tows be extended",
+                     options.cut.min_cut_length_mm));
+  const TightestTurn& turn = tows.report.tightest;
+  if (turn.radius_mm < options.min_steering_radius_mm)
+    ply.report.violations.push_back("tow " + std::to_string(turn.tow) + " of course " + std::to_string(turn.course) +
+                                    text(" turns with a radius of %.6g mm", turn.radius_mm) +
+                                    text(" at (%.6g, %.6g, %.6g)", turn.where.x(), turn.where.y(), turn.where.z()) +
+                                    text(", the limit is %.6g mm", options.min_steering_radius_mm));
 }
 
 ParallelOptions parallel_options(const Skin& skin, const PlanOptions& options) {
@@ -240,6 +265,11 @@ Ply plan_ply(const Skin& skin, const PlyOrientation& orientation, const PlanOpti
   report_counts(report, ply.courses);
   judge_limits(report, ply.courses, options);
   watch.stage("boundary");
+  if (options.cut_tows) {
+    tell("tows", 0);
+    add_tows(skin, parallels, options, ply);
+    watch.stage("tows");
+  }
   return ply;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "boundary/ply.h"
+#include "boundary/tow_cuts.h"
 #include "geometry/skin.h"
 #include "trajectory/ply_orientation.h"
 
@@ -23,6 +24,8 @@ struct PlanOptions {
   double angle_limit_rad = 5 * pi / 180;
   double point_distance_limit_mm = 5;  ///< a ply point farther from the skin is an error
   int max_courses = 2000;         ///< on each side
+  bool cut_tows = true;           ///< or only centre lines
+  CutRule cut;
   std::string plies_name = "plies.csv";  ///< for messages: the file the points come from
   double band_width_mm() const { return tow_width_mm * tows; }
 };
@@ -31,7 +34,7 @@ struct PlanOptions {
 using Progress = std::function<bool(const char* stage, double done)>;
 struct Interrupted {};
 
-/// Plans one ply: direction field, reference path, feature sections, geodesic parallels, clipping.
+/// Plans one ply: direction field, reference path, feature sections, geodesic parallels, clipping, tows.
 /// Throws Error(no_path) when no path can start, Error(bad_input) when a ply point lies farther
 /// than the limit from the skin.
 Ply plan_ply(const Skin& skin, const PlyOrientation& orientation, const PlanOptions& options = {},

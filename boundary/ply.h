@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "boundary/tow_lines.h"
 #include "geometry/types.h"
 
 namespace afptraj {
@@ -31,6 +32,45 @@ struct Course {
   int number = 0;
   std::vector<CourseSegment> segments;
   double length_mm() const;
+};
+
+/// A sample of the middle line of a tow, with its frame.
+struct TowSample {
+  SurfacePoint at;
+  double s_mm = 0;  ///< arc length from where the piece is added
+  Vec3 position = Vec3::Zero();
+  Vec3 normal = Vec3::UnitZ();
+  Vec3 tangent = Vec3::UnitX();
+  double kg_per_mm = 0;  ///< geodesic curvature, positive to the left
+  bool on_skin = true;   ///< false where it lies on the continuation of the skin, or over a hole
+};
+
+/// A piece of a tow, from where it is added to where it is cut.
+struct TowPiece {
+  int course = 0;
+  int tow = 1;           ///< 1 ... N from the left
+  int segment = 1;       ///< counted along the tow
+  std::size_t band = 0;  ///< of Ply::bands
+  Interval range;        ///< of the band's parameter; on a closed band it may end beyond `last`, which is `first` again
+  bool closed = false;   ///< a whole turn
+  std::vector<TowSample> samples;
+  double length_mm() const { return samples.empty() ? 0 : samples.back().s_mm; }
+};
+
+/// The tightest turn of a tow on the skin.
+struct TightestTurn {
+  double radius_mm = 1e12;  ///< no machine can tell it from straight
+  int course = 0, tow = 0;
+  Vec3 where = Vec3::Zero();
+};
+
+/// What the tows came to.
+struct TowReport {
+  int tows = 0;  ///< with at least one piece
+  int pieces = 0, adds = 0, cuts = 0;
+  int bridged = 0, extended = 0, dropped = 0;  ///< by minimum gap and minimum cut length
+  double length_mm = 0, shortest_mm = 0, longest_mm = 0;
+  TightestTurn tightest;
 };
 
 /// A stretch of the skin farther than W/2 from every centre line, and why.
@@ -98,6 +138,7 @@ struct PlyReport {
   std::vector<LooseEnd> loose_ends;
   double min_steering_radius_mm = 0;
   double max_deviation_rad = 0;
+  TowReport tows;
   std::vector<std::string> warnings;
   std::vector<std::string> violations;  ///< limits of the job that do not hold
   std::vector<StageTime> times;
@@ -110,6 +151,9 @@ struct Ply {
   /// Centre lines off the skin (beyond its boundary, over holes) near enough that their bands may
   /// reach onto it, by the same numbers. They are no paths to lay as they stand; tows are cut from them.
   std::vector<Course> off_skin;
+  /// Empty when tows were not asked for.
+  std::vector<TowBand> bands;
+  std::vector<TowPiece> tows;  ///< by course, tow, segment
   PlyReport report;
 };
 

@@ -39,6 +39,10 @@ constexpr FlagSpec run_flags[] = {
     {"--tangent-angle", "faces.tangent_angle", "DEG", "an edge is smooth below this angle [5]"},
     {"--tow-width", "material.tow_width", "MM", "width of one tow [6.35]"},
     {"--tows", "head.tows", "N", "tows side by side [8]"},
+    {"--min-cut-length", "head.min_cut_length", "MM", "shortest piece of a tow [101.6]"},
+    {"--short-tows", "head.short_tows", "HOW", "shorter pieces: symmetric, forward, backward, drop [symmetric]"},
+    {"--min-gap", "head.min_gap", "MM", "shortest gap in a tow; shorter ones are laid through [25]"},
+    {"--coverage-rule", "planning.coverage_rule", "%", "a tow is cut when so much of its width has left the skin [50]"},
     {"--step", "planning.step", "MM", "greatest step of the reference path [2]"},
     {"--range", "planning.range", "MM", "reach of a ply point [one band width]"},
 };
@@ -55,7 +59,7 @@ Exit codes: 0 done, 1 a limit is violated (--strict), 2 usage or job file, 3 bad
 4 no feasible path, 5 cannot write, 6 resource limit, 70 a bug, 130 interrupted, 143 terminated.)";
 
 const char* const main_examples = R"(Examples:
-  afptraj run panel.step plies.csv      plan courses, write paths.csv, paths.step, summary.json
+  afptraj run panel.step plies.csv      plan courses, write paths.csv, tows.csv, paths.step, summary.json
   afptraj inspect part.step             list the faces of a part
   afptraj wind plan vessel.wind         write the program of a filament winder
   afptraj doctor                        versions, processor, limits

@@ -59,7 +59,7 @@ class FirstFailure {
 };
 
 Ply plan_and_judge(const Skin& skin, const PlyOrientation& orientation, const Job& job, const Progress& progress) {
-  Ply ply = plan_ply(skin, orientation, job.plan, progress);
+  Ply ply = plan_ply(skin, orientation, plan_options(job), progress);
   JudgeOptions judge;
   judge.band_width_mm = job.plan.band_width_mm();
   judge_ply(skin, judge, ply);

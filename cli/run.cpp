@@ -22,6 +22,7 @@
 #include "io/step/sha256.h"
 #include "io/summary_json.h"
 #include "io/text_file.h"
+#include "io/tows_csv.h"
 
 namespace afptraj::cli {
 namespace {
@@ -152,7 +153,10 @@ int run(const Arguments& arguments) {
   check_stop();
   watch.done("fit paths");
   OutputDirectory output(target, arguments.force, inputs);
-  auto csv = std::async(std::launch::async, [&] { output.write("paths.csv", paths_csv(plies)); });
+  auto csv = std::async(std::launch::async, [&] { 
+    output.write("paths.csv", paths_csv(plies));
+    output.write("tows.csv", tows_csv(plies));
+  });
   write_paths_step(output, wires);
   csv.get();
   check_stop();
@@ -175,7 +179,7 @@ int run(const Arguments& arguments) {
       if (!arguments.quiet) print_warning("ply " + plies[i].name, warning);
     }
   }
-  text += "wrote " + target + "/{paths.csv,paths.step,summary.json} in " + short_number(watch.total(), 3) +
+  text += "wrote " + target + "/{paths.csv,tows.csv,paths.step,summary.json} in " + short_number(watch.total(), 3) +
           " s\n";
   if (arguments.json) {
     print(summary);

@@ -81,6 +81,12 @@ std::string ply_table(const Ply& ply, const Job& job, const std::vector<std::str
                                ? "radius at least " + short_number(r.min_steering_radius_mm, 4) + " mm"
                                : std::string("none")) +
                               " (limit " + short_number(job.plan.min_steering_radius_mm) + " mm)");
+  const TowReport& tows = r.tows;
+  out += line("tows", std::to_string(tows.tows) + " in " + std::to_string(tows.pieces) + " pieces, " +
+                          metres(tows.length_mm) + ", " + short_number(tows.shortest_mm, 4) + " to " +
+                          short_number(tows.longest_mm, 5) + " mm long; " + std::to_string(tows.extended) +
+                          " extended, " + std::to_string(tows.dropped) + " dropped, " + std::to_string(tows.bridged) +
+                          " gaps laid through");
   out += line("deviation", "at most " + degrees(r.max_deviation_rad) + " deg (limit " +
                                degrees(job.plan.angle_limit_rad) + " deg)");
   for (const std::string& violation : violations) out += line("VIOLATED", printable(violation, 300));

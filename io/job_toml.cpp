@@ -57,6 +57,12 @@ const std::vector<Key>& keys() {
        NumberValue{0.1, 1e7, 1, [](Job& j) -> double& { return j.plan.min_steering_radius_mm; }}},
       {"head", "tows", "", "tows side by side; the band is tows x tow_width wide",
        IntegerValue{1, 256, [](Job& j) -> int& { return j.plan.tows; }}},
+      {"head", "min_cut_length", "mm", "shortest piece of a tow that the head can lay; 0: any",
+       NumberValue{0, 1e5, 1, [](Job& j) -> double& { return j.plan.cut.min_cut_length_mm; }}},
+      {"head", "short_tows", "", "what is done with shorter pieces: extended in that direction, or dropped",
+       TextValue{short_tow_words(), [](Job& j) -> std::string& { return j.short_tows; }}},
+      {"head", "min_gap", "mm", "shortest gap between two pieces of a tow; shorter ones are laid through",
+       NumberValue{0, 1e5, 1, [](Job& j) -> double& { return j.plan.cut.min_gap_mm; }}},
       {"planning", "step", "mm", "greatest step of the reference path",
        NumberValue{0.01, 100, 1, [](Job& j) -> double& { return j.plan.step_mm; }}},
       {"planning", "chord_error", "mm", "greatest distance of a step's chord from its arc",
@@ -69,6 +75,8 @@ const std::vector<Key>& keys() {
        NumberValue{0.01, 1000, 1, [](Job& j) -> double& { return j.plan.extension_step_mm; }}},
       {"planning", "sample", "mm", "greatest distance of output samples; 0: a twelfth of the band width",
        NumberValue{0, 100, 1, [](Job& j) -> double& { return j.plan.sample_mm; }}},
+      {"planning", "coverage_rule", "%", "a tow is cut when so much of its width has left the skin; 0: gaps, 100: overlap",
+       NumberValue{0, 100, 0.01, [](Job& j) -> double& { return j.plan.cut.coverage_rule; }}},
       {"planning", "max_courses", "", "greatest number of courses on each side",
        IntegerValue{1, 100000, [](Job& j) -> int& { return j.plan.max_courses; }}},
       {"planning", "point_distance_limit", "mm", "a ply point farther from the skin is an error",
@@ -298,6 +306,12 @@ std::string unknown_table(const std::string& name, bool is_table) {
 }
 
 }  // namespace
+
+PlanOptions plan_options(const Job& job) {
+  PlanOptions out = job.plan;
+  out.cut.short_tows = short_tows_of(job.short_tows);
+  return out;
+}
 
 Job read_job(const std::string& path) {
   const toml::value root = parse_toml_file(path);

@@ -27,8 +27,12 @@ struct Job {
   double sew_tolerance_mm = -1;        ///< negative: automatic, see StepReadOptions
   double min_coverage = 0.999;         ///< limit: share of the skin within W/2 of a centre line
   double max_spacing_error_mm = 1e-3;  ///< limit: E_k
+  std::string short_tows = "symmetric";  ///< plan.cut.short_tows, as a word; see plan_options()
   std::string output_directory;        ///< empty: <surface>-afptraj
 };
+
+/// What the planner is told.
+PlanOptions plan_options(const Job& job);
 
 /// Reads job.toml over the defaults. Throws Error(usage, "file:line:column", ...) for what is not
 /// TOML, unknown keys (with the nearest known), wrong types and values out of range.

@@ -148,6 +148,26 @@ Json loose_ends(const PlyReport& report) {
   return {{"count", report.loose_ends.size()}, {"first", first}};
 }
 
+Json tows(const Ply& ply) {
+  const TowReport& r = ply.report.tows;
+  const bool turns = r.tightest.radius_mm < 1e9;
+  return {{"tows", r.tows},
+          {"pieces", r.pieces},
+          {"adds", r.adds},
+          {"cuts", r.cuts},
+          {"length_mm", number(r.length_mm)},
+          {"shortest_mm", number(r.shortest_mm)},
+          {"longest_mm", number(r.longest_mm)},
+          {"gaps_laid_through", r.bridged},
+          {"short_extended", r.extended},
+          {"short_dropped", r.dropped},
+          {"min_steering_radius_mm", turns ? number(r.tightest.radius_mm) : Json()},
+          {"tightest_turn", turns ? Json{{"course", r.tightest.course},
+                                         {"tow", r.tightest.tow},
+                                         {"where", vector(r.tightest.where)}}
+                                  : Json()}};
+}
+
 Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
   const PlyReport& r = ply.report;
   return {
@@ -173,6 +193,7 @@ Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
       // nothing turns on the surface: the radius is not a number, JSON has null for it
       {"min_steering_radius_mm", r.min_steering_radius_mm < 1e9 ? number(r.min_steering_radius_mm) : Json()},
       {"max_deviation_deg", degrees(r.max_deviation_rad)},
+      {"tows", tows(ply)},
       {"reference", reference(r)},
       {"courses", courses(ply)},
       {"warnings", r.warnings},
@@ -214,7 +235,7 @@ std::string summary_json(const RunRecord& run, const StepModel& model, const Ski
         ply_facts(ply, found == run.violations.end() ? ply.report.violations : found->second));
   }
   out["warnings"] = run.warnings;
-  out["files"] = {"paths.csv", "paths.step", "summary.json"};
+  out["files"] = {"paths.csv", "tows.csv", "paths.step", "summary.json"};
   out["times"] = times(run, plies);
   // names in a STEP file may be any bytes: what is not UTF-8 is replaced, never a reason to fail
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

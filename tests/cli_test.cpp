@@ -391,11 +391,11 @@ TEST_F(Cli, RunsToItsFiles) {
   const Outcome first = run({"run", panel, plies});
   EXPECT_EQ(first.code, 0) << first.err;
   EXPECT_HAS(first.out, "ply P: ");
-  EXPECT_HAS(first.out, "wrote part-afptraj/{paths.csv,paths.step,summary.json}");
+  EXPECT_HAS(first.out, "wrote part-afptraj/{paths.csv,tows.csv,paths.step,summary.json}");
   std::set<std::string> files;
   for (const auto& entry : fs::directory_iterator(*this / "part-afptraj"))
     files.insert(entry.path().filename().string());
-  EXPECT_EQ(files, (std::set<std::string>{"paths.csv", "paths.step", "summary.json"}));
+  EXPECT_EQ(files, (std::set<std::string>{"paths.csv", "paths.step", "summary.json", "tows.csv"}));
   EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "part-afptraj"}));
 
   expect_error(run({"run", panel, plies}), 5, "exists; give --force to replace it");

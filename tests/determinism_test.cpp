@@ -33,7 +33,7 @@ TEST_P(Determinism, OfThreadsAndRuns) {
   ASSERT_EQ(run("one", 1), 0);
   ASSERT_EQ(run("two", 2), 0);
   ASSERT_EQ(run("again", 2), 0);
-  for (const char* which : {"paths.csv", "paths.step"}) {
+  for (const char* which : {"paths.csv", "tows.csv", "paths.step"}) {
     const std::string one = file("one", which);
     EXPECT_GT(one.size(), 100000u) << which;
     // Not EXPECT_EQ: it would print both.

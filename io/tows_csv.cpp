@@ -1,0 +1,43 @@
+#include "io/tows_csv.h"
+
+#include "io/number_text.h"
+#include "io/paths_csv.h"
+
+namespace afptraj {
+namespace {
+
+void append_vector(std::string& text, const Vec3& v) {
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    text += ',';
+    append_number(text, v[i]);
+  }
+}
+
+void append_piece(std::string& text, const std::string& name, const TowPiece& piece) {
+  const std::string start = name + ',' + std::to_string(piece.course) + ',' + std::to_string(piece.tow) + ',' +
+                            std::to_string(piece.segment) + ',';
+  for (std::size_t i = 0; i < piece.samples.size(); ++i) {
+    const TowSample& sample = piece.samples[i];
+    text += start;
+    text += std::to_string(i + 1);
+    text += i == 0 ? ",add," : i + 1 == piece.samples.size() ? ",cut," : ",,";
+    append_number(text, sample.s_mm);
+    append_vector(text, sample.position);
+    append_vector(text, sample.normal);
+    append_vector(text, sample.tangent);
+    text += '\n';
+  }
+}
+
+}  // namespace
+
+std::string tows_csv(const std::vector<Ply>& plies) {
+  std::string text = "ply,course,tow,segment,point,event,s_mm,x,y,z,nx,ny,nz,tx,ty,tz\n";
+  for (const Ply& ply : plies) {
+    const std::string name = csv_field(ply.name);
+    for (const TowPiece& piece : ply.tows) append_piece(text, name, piece);
+  }
+  return text;
+}
+
+}  // namespace afptraj
