@@ -5,6 +5,7 @@
 #include <cmath>
 #include <list>
 
+#include "cli/fill_arguments.h"
 #include "cli/wind_arguments.h"
 #include "geometry/error.h"
 #include "io/nearest_name.h"
@@ -62,13 +63,14 @@ const char* const main_examples = R"(Examples:
   afptraj run panel.step plies.csv      plan courses, write paths.csv, tows.csv, paths.step, summary.json
   afptraj inspect part.step             list the faces of a part
   afptraj wind plan vessel.wind         write the program of a filament winder
+  afptraj fill slice.csv                fill a planar slice with paths
   afptraj doctor                        versions, processor, limits
   afptraj run --help                    all flags of a command)";
 
 // The parser, with the texts that CLI11 fills in.
 class Parser {
  public:
-  Parser() : app_("afptraj plans automated fibre placement and filament winding.", "afptraj") {
+  Parser() : app_("afptraj plans automated fibre placement, filament winding and fills.", "afptraj") {
     app_.footer(main_examples);
     app_.allow_extras();
     app_.set_help_flag("-h,--help", "show this help");
@@ -79,6 +81,7 @@ class Parser {
     doctor_->add_flag("--json", arguments_.json, "for machines");
     wind_ =
         add_wind_commands(app_, arguments_.wind, {&arguments_.json, &arguments_.quiet, &arguments_.force});
+    fill_ = add_fill_command(app_, arguments_.fill, {&arguments_.json, &arguments_.quiet, &arguments_.force});
     configure(app_);
   }
 
@@ -106,6 +109,9 @@ class Parser {
       refuse_extras(*command);
       arguments_.command = Arguments::Command::wind;
       finish_wind(*command, arguments_.wind);
+    } else if (command == fill_) {
+      arguments_.command = Arguments::Command::fill;
+      finish_fill(arguments_.fill);
     } else {
       finish(command);
     }
@@ -272,7 +278,7 @@ class Parser {
   }
 
   CLI::App app_;
-  CLI::App *run_ = nullptr, *inspect_ = nullptr, *wind_ = nullptr, *doctor_ = nullptr;
+  CLI::App *run_ = nullptr, *inspect_ = nullptr, *wind_ = nullptr, *fill_ = nullptr, *doctor_ = nullptr;
   Arguments arguments_;
   bool version_ = false;
   std::string threads_, timeout_, tangent_angle_;

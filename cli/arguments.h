@@ -25,9 +25,18 @@ struct WindArguments {
   int points = 0;                      ///< inspect --json: pieces of the path that is listed
 };
 
+/// What follows `afptraj fill`.
+struct FillArguments {
+  enum class Pattern { contour, outline };
+  Pattern pattern = Pattern::contour;
+  std::string file, output;
+  std::string pattern_text, spacing, compensate, corner_radius, tolerance;  ///< as typed
+  double spacing_mm = 1, compensate_mm = -0.5, corner_radius_mm = 0.25, tolerance_mm = 1e-3;
+};
+
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.
 struct Arguments {
-  enum class Command { none, help, version, run, inspect, wind, doctor };
+  enum class Command { none, help, version, run, inspect, wind, fill, doctor };
   Command command = Command::none;
   std::string help;  ///< the text to print for `help`
 
@@ -37,6 +46,7 @@ struct Arguments {
   double timeout_s = 0;            ///< 0: none
   double tangent_angle_deg = 5;    ///< inspect
   WindArguments wind;
+  FillArguments fill;
   bool force = false, strict = false, json = false, quiet = false, verbose = false;
 };
 

@@ -8,6 +8,7 @@ namespace afptraj::cli {
 int run(const Arguments& arguments);
 int inspect(const Arguments& arguments);
 int wind(const Arguments& arguments);
+int fill(const Arguments& arguments);
 int doctor(const Arguments& arguments);
 
 }  // namespace afptraj::cli

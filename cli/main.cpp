@@ -25,6 +25,8 @@ int dispatch(const Arguments& arguments) {
       return inspect(arguments);
     case Arguments::Command::wind:
       return wind(arguments);
+    case Arguments::Command::fill:
+      return fill(arguments);
     case Arguments::Command::doctor:
       return doctor(arguments);
     case Arguments::Command::help:

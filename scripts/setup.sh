@@ -5,7 +5,7 @@ set -eu
 
 # docs/dependencies.md gives the reason and licence of each.
 packages="g++ cmake ninja-build ccache
-libeigen3-dev libtbb-dev libceres-dev libcgal-dev
+libeigen3-dev libtbb-dev libceres-dev libcgal-dev libboost-dev libpolyclipping-dev
 libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev libocct-ocaf-dev
 libocct-visualization-dev libocct-data-exchange-dev
 libtoml11-dev nlohmann-json3-dev libcli11-dev libgtest-dev libbenchmark-dev zlib1g-dev"

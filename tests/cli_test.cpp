@@ -138,6 +138,35 @@ TEST_F(Cli, NamesTheNearestOfWhatItDoesNotKnow) {
   EXPECT_TRUE(fs::is_empty(work()));
 }
 
+TEST_F(Cli, FillWritesADirectory) {
+  write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
+  const Outcome filled =
+      run({"fill", "square.csv", "--pattern", "contour", "--spacing", "1", "-o", "out", "--json"});
+  ASSERT_EQ(filled.code, 0) << filled.err;
+  const auto json = nlohmann::json::parse(filled.out);
+  EXPECT_NEAR(json["slice"]["area_mm2"].get<double>(), 100, 1e-9);
+  EXPECT_EQ(json["paths"][0]["kind"], "ring");
+  EXPECT_NEAR(json["paths"][0]["length_mm"].get<double>(), 36, 1e-9);  // 4 (10 - 1)
+  EXPECT_LT(json["fill"]["outside_percent"].get<double>(), 1e-6);
+  EXPECT_EQ(run({"fill", "square.csv", "-o", "again", "-q"}).out, "");
+  EXPECT_EQ(content_of(*this / "out/paths.csv"), content_of(*this / "again/paths.csv"));
+  expect_error(run({"fill", "square.csv", "-o", "out"}), 5, "give --force");
+}
+
+TEST_F(Cli, FillRefuses) {
+  write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
+  write("bow.csv", "path,i,x,y\n0,0,0,0\n0,1,10,10\n0,2,10,0\n0,3,0,10\n");
+  write("nan.csv", "path,i,x,y\n0,0,0,0\n0,1,nan,10\n0,2,10,0\n");
+  write("empty.csv", "path,i,x,y\n");
+  expect_error(run({"fill", "bow.csv"}), 3, "bow.csv:2: ring '0' crosses itself at (5, 5)");
+  expect_error(run({"fill", "nan.csv"}), 3, "nan.csv:3: ");
+  expect_error(run({"fill", "empty.csv"}), 3, "empty.csv: ");
+  expect_error(run({"fill", "square.csv", "--spacing", "0"}), 2, "--spacing: ");
+  expect_error(run({"fill", "square.csv", "--pattern", "raster"}), 2, "--pattern: 'raster' is unknown");
+  expect_error(run({"fill", "square.csv", "--spacing", "11"}), 4, "no path fits");
+  EXPECT_EQ(names(), (std::set<std::string>{"square.csv", "bow.csv", "nan.csv", "empty.csv"}));
+}
+
 const char* const tube = R"({"mandrelParameters":{"diameter":70,"windLength":100},
 "towParameters":{"width":7,"thickness":0.5},"defaultFeedRate":9000,
 "layers":[{"windType":"hoop"}]})";

@@ -1,0 +1,81 @@
+#include "cli/fill_arguments.h"
+
+#include <map>
+
+#include "geometry/error.h"
+#include "io/nearest_name.h"
+#include "io/text_file.h"
+
+namespace afptraj::cli {
+namespace {
+
+const char* const fill_examples = R"(Examples:
+  afptraj fill slice.csv --spacing 1
+  afptraj fill slice.csv --spacing 0.8 --compensate -0.5 -o result --force
+  afptraj fill slice.csv --pattern outline --compensate 1.5
+
+A slice is a table path,i,x,y of closed rings: outlines, holes, islands in holes, any sense.
+Writes paths.csv, summary.json and fill.svg.)";
+
+const std::map<std::string, FillArguments::Pattern> patterns{{"contour", FillArguments::Pattern::contour},
+                                                             {"outline", FillArguments::Pattern::outline}};
+
+}  // namespace
+
+CLI::App* add_fill_command(CLI::App& app, FillArguments& arguments, const WindFlags& flags) {
+  CLI::App* fill = app.add_subcommand("fill", "Fills a planar slice with paths.");
+  fill->footer(fill_examples);
+  fill->add_option("slice", arguments.file, "the slice: closed rings")->type_name("slice.csv");
+  fill->add_option("-o,--output", arguments.output, "result directory [<slice>-afptraj]")->type_name("DIR");
+  fill->add_option("--pattern", arguments.pattern_text,
+                   "contour (rings) or outline (the outermost only) [contour]")
+      ->type_name("PATTERN");
+  fill->add_option("--spacing", arguments.spacing, "from path to path, and width of a bead [1]")
+      ->type_name("MM");
+  fill->add_option("--compensate", arguments.compensate,
+                   "where the outermost path lies: offset of the outline, negative inside [-spacing/2]")
+      ->type_name("MM");
+  fill->add_option("--corner-radius", arguments.corner_radius,
+                   "contour: radius of the rings' convex corners, at most spacing/2 [spacing/4]")
+      ->type_name("MM");
+  fill->add_option("--tolerance", arguments.tolerance,
+                   "a path's chords lie this near to the exact arcs [0.001]")
+      ->type_name("MM");
+  fill->add_flag("--force", *flags.force, "replace an earlier result");
+  fill->add_flag("--json", *flags.json, "print summary.json instead of a table");
+  fill->add_flag("-q,--quiet", *flags.quiet, "print errors only");
+  return fill;
+}
+
+void finish_fill(FillArguments& arguments) {
+  if (arguments.file.empty())
+    throw Error(ErrorCode::usage, "afptraj fill", "needs a slice; see afptraj fill --help");
+  if (!arguments.pattern_text.empty()) {
+    const auto found = patterns.find(arguments.pattern_text);
+    if (found == patterns.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, pattern] : patterns) names.push_back(name);
+      const std::string hint = did_you_mean(arguments.pattern_text, names);
+      throw Error(ErrorCode::usage, "--pattern",
+                  "'" + printable(arguments.pattern_text) + "' is unknown" +
+                      (hint.empty() ? "; this version has contour and outline" : hint));
+    }
+    arguments.pattern = found->second;
+  }
+  constexpr double greatest = 1e5, least = 1e-3;
+  if (!arguments.spacing.empty())
+    arguments.spacing_mm = bounded("--spacing", arguments.spacing, least, greatest, false);
+  arguments.compensate_mm = arguments.compensate.empty()
+                                ? -arguments.spacing_mm / 2
+                                : bounded("--compensate", arguments.compensate, -greatest, greatest, false);
+  if (!arguments.corner_radius.empty() && arguments.pattern != FillArguments::Pattern::contour)
+    throw Error(ErrorCode::usage, "--corner-radius", "is of the contour pattern only; leave it out");
+  arguments.corner_radius_mm =
+      arguments.corner_radius.empty()
+          ? arguments.spacing_mm / 4
+          : bounded("--corner-radius", arguments.corner_radius, 0, arguments.spacing_mm / 2, false);
+  if (!arguments.tolerance.empty())
+    arguments.tolerance_mm = bounded("--tolerance", arguments.tolerance, 1e-6, arguments.spacing_mm, false);
+}
+
+}  // namespace afptraj::cli

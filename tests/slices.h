@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "fill/slice.h"
+
+namespace afptraj::test {
+
+/// r(t) = 15 (1 + a cos 10 t) at n points: the flower of the fill cases.
+inline std::vector<Vec2> flower(double a, int n) {
+  std::vector<Vec2> points;
+  for (int i = 0; i < n; ++i) {
+    const double t = 2 * pi * i / n, r = 15 * (1 + a * std::cos(10 * t));
+    points.emplace_back(r * std::cos(t), r * std::sin(t));
+  }
+  return points;
+}
+
+inline std::vector<Vec2> circle(double radius, int n, const Vec2& centre = Vec2::Zero()) {
+  std::vector<Vec2> points;
+  for (int i = 0; i < n; ++i)
+    points.push_back(centre + radius * Vec2(std::cos(2 * pi * i / n), std::sin(2 * pi * i / n)));
+  return points;
+}
+
+inline std::vector<Vec2> rectangle(double x0, double y0, double x1, double y1) {
+  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+}
+
+inline std::vector<Vec2> reverse(std::vector<Vec2> points) { return {points.rbegin(), points.rend()}; }
+
+inline std::vector<Vec2> l_shape() { return {{0, 0}, {30, 0}, {30, 10}, {10, 10}, {10, 30}, {0, 30}}; }
+
+inline std::vector<Vec2> star() {
+  std::vector<Vec2> points;
+  for (int i = 0; i < 10; ++i) {
+    const double t = pi * i / 5 + pi / 2, r = i % 2 == 0 ? 12 : 5;
+    points.emplace_back(r * std::cos(t), r * std::sin(t));
+  }
+  return points;
+}
+
+/// Two discs joined by a neck.
+inline std::vector<Vec2> dumb_bell(double neck) {
+  const double a = std::asin(neck / 12);
+  std::vector<Vec2> points;
+  for (const double side : {-1.0, 1.0}) {
+    for (int i = 0; i <= 100; ++i) {
+      const double t = (side < 0 ? 0 : pi) + a + (2 * pi - 2 * a) * i / 100;
+      points.emplace_back(10 * side + 6 * std::cos(t), 6 * std::sin(t));
+    }
+  }
+  return points;
+}
+
+inline Slice slice_of(const std::vector<std::vector<Vec2>>& rings) {
+  std::vector<InputRing> input;
+  for (const auto& ring : rings) input.push_back({std::to_string(input.size()), ring, {}});
+  return Slice("slice", input);
+}
+
+/// The paths of a table path,i,x,y as other programs write it; empty when the file is not there.
+inline std::vector<Polyline> read_paths(const std::filesystem::path& file, bool closed) {
+  std::ifstream in(file);
+  std::vector<Polyline> out;
+  std::string line, last;
+  std::getline(in, line);
+  while (std::getline(in, line)) {
+    std::istringstream fields(line);
+    std::string path, i, x, y;
+    std::getline(fields, path, ','), std::getline(fields, i, ','), std::getline(fields, x, ',');
+    std::getline(fields, y, ',');
+    if (out.empty() || path != last) out.push_back({{}, closed});
+    last = path;
+    out.back().points.emplace_back(std::stod(x), std::stod(y));
+  }
+  return out;
+}
+
+inline double distance_to(const std::vector<Polyline>& lines, const Vec2& p) {
+  double best = HUGE_VAL;
+  for (const Polyline& line : lines) {
+    const std::size_t n = line.points.size();
+    for (std::size_t i = 0; i + (line.closed ? 0 : 1) < n; ++i) {
+      const Vec2 a = line.points[i], d = line.points[(i + 1) % n] - a, v = p - a;
+      const double t = std::clamp(v.dot(d) / d.squaredNorm(), 0.0, 1.0);
+      best = std::min(best, (v - t * d).norm());
+    }
+  }
+  return best;
+}
+
+inline std::vector<Polyline> boundary_of(const Slice& slice) {
+  std::vector<Polyline> out;
+  for (const SliceRing& ring : slice.rings()) out.push_back({ring.points, true});
+  return out;
+}
+
+}  // namespace afptraj::test
