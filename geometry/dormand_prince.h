@@ -79,16 +79,32 @@ constexpr double E3[stages] = {B[0] - 0.244094488188976377952755905512,
 
 namespace detail {
 
-template <const double (&weights)[stages], std::size_t J, typename State>
+// Rows of weights as types: Clang 14 takes no element of an array as a template argument.
+template <std::size_t S>
+struct StageRow {
+  static constexpr double at(std::size_t j) { return A[S][j]; }
+};
+struct ResultRow {
+  static constexpr double at(std::size_t j) { return B[j]; }
+};
+struct Error5Row {
+  static constexpr double at(std::size_t j) { return E5[j]; }
+};
+struct Error3Row {
+  static constexpr double at(std::size_t j) { return E3[j]; }
+};
+
+template <typename Row, std::size_t J, typename State>
 void add(const State* k, State& sum) {
-  if constexpr (weights[J] != 0)
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weights[J] * k[J][i];
+  constexpr double weight = Row::at(J);
+  if constexpr (weight != 0)
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * k[J][i];
 }
 
-template <const double (&weights)[stages], typename State, std::size_t... J>
+template <typename Row, typename State, std::size_t... J>
 State combine(const State* k, std::index_sequence<J...>) {
   State sum{};
-  (add<weights, J>(k, sum), ...);
+  (add<Row, J>(k, sum), ...);
   return sum;
 }
 
@@ -101,7 +117,7 @@ State moved(const State& x, double h, const State& by) {
 
 template <typename State, typename Slope, std::size_t... S>
 void fill(const State& x, double h, State* k, Slope&& f, std::index_sequence<S...>) {
-  ((k[S + 1] = f(moved(x, h, combine<A[S + 1]>(k, std::make_index_sequence<S + 1>())))), ...);
+  ((k[S + 1] = f(moved(x, h, combine<StageRow<S + 1>>(k, std::make_index_sequence<S + 1>())))), ...);
 }
 
 }  // namespace detail
@@ -114,9 +130,9 @@ State step(const State& x, const State& slope, double h, Slope&& f, State* error
   k[0] = slope;
   detail::fill(x, h, k, f, std::make_index_sequence<stages - 1>());
   constexpr auto all = std::make_index_sequence<stages>();
-  if (error5) *error5 = detail::combine<E5>(k, all);
-  if (error3) *error3 = detail::combine<E3>(k, all);
-  return detail::moved(x, h, detail::combine<B>(k, all));
+  if (error5) *error5 = detail::combine<detail::Error5Row>(k, all);
+  if (error3) *error3 = detail::combine<detail::Error3Row>(k, all);
+  return detail::moved(x, h, detail::combine<detail::ResultRow>(k, all));
 }
 
 /// The same for steps so short that order 4 is exact: evaluates f three times.
