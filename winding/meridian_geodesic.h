@@ -47,6 +47,8 @@ class MeridianGeodesic {
   double length_mm() const { return length_mm_; }  ///< of the fibre
   /// The pass in `count` + 1 points, closer where it turns.
   std::vector<FibrePoint> points(int count) const;
+  /// And where it crosses the meridian's breaks, with their very parameters.
+  std::vector<FibrePoint> points_and_breaks(int count) const;
 
  private:
   enum class Quantity { turn, length };
@@ -54,6 +56,10 @@ class MeridianGeodesic {
   double rate(Quantity quantity, double phi) const;
   double above_clairaut(double phi, const MeridianPoint& at) const;
   double smooth_way(bool near_first) const;
+  struct Phase {
+    double phi, t;
+  };
+  std::vector<FibrePoint> points_at(const std::vector<Phase>& phases) const;
   double parameter(double phi) const;
   double phase(double t) const;
   PassEnd end_of(double from, bool forward) const;
