@@ -13,6 +13,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double most_bridging_mm = 0.01;
+constexpr double shortest_piece_mm = 0.1;  // of fibre: over it the eye passes an edge of the meridian
 constexpr double sharpest_edge_rad = 0.1;  // over which what is laid still keeps to 0.01 mm
 
 AxisValues axes_of(const EyePosition& eye) {
@@ -33,17 +34,35 @@ double departure(const EyeSample& a, const EyeSample& b, const EyeSample& p) {
   return worst;
 }
 
+// How far the straight pieces beside a sample are from the true axes, by what is allowed, were the longer of
+// them on both sides. A piece between two samples departs by a quarter of that.
+double unevenness(const EyeSample& a, const EyeSample& p, const EyeSample& b) {
+  const double before = p.length_mm - a.length_mm, after = b.length_mm - p.length_mm;
+  const double longer = std::max(before, after);
+  if (!(before > 0 && after > 0) || longer < shortest_piece_mm) return 0;
+  return departure(a, b, p) * longer * longer / (before * after);
+}
+
 class CircuitMaker {
  public:
   CircuitMaker(const Meridian& meridian, const MeridianGeodesic& pass, const PayoutEye& eye)
       : meridian_(meridian), pass_(pass), eye_(eye) {}
 
-  // `count` pieces by pass and more, closer at the turns.
-  EyeCircuit dense(int count) {
+  // Samples so close that the pieces between them are straight to a fifth of what is allowed.
+  EyeCircuit dense() {
+    constexpr int first_count = 256, most_rounds = 12;
+    phases_ = pass_.phases_and_breaks(first_count);
+    EyeCircuit circuit = sampled();
+    for (int round = 0; round < most_rounds && refine(circuit.samples); ++round) circuit = sampled();
+    return circuit;
+  }
+
+ private:
+  // There and back.
+  EyeCircuit sampled() const {
     EyeCircuit out;
     out.least_free_mm = 1e300;
-    kinks_.clear();
-    const std::vector<FibrePoint> points = pass_.points_and_breaks(count);
+    const std::vector<FibrePoint> points = pass_.points_at(phases_);
     for (const FibrePoint& point : points) add(out, point, point.turn_rad, point.length_mm, point.angle_rad);
     for (std::size_t i = points.size() - 1; i-- > 0;) {
       const FibrePoint& point = points[i];
@@ -53,17 +72,7 @@ class CircuitMaker {
     return out;
   }
 
-  // Whether the samples are so close that the pieces between them are straight to a fifth of what is allowed:
-  // a piece of twice the length departs four times as much.
-  bool close_enough(const std::vector<EyeSample>& samples) const {
-    for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
-      if (!kinks_[i] && departure(samples[i - 1], samples[i + 1], samples[i]) > 0.8) return false;
-    }
-    return true;
-  }
-
- private:
-  void add(EyeCircuit& out, const FibrePoint& point, double turn, double length, double angle) {
+  void add(EyeCircuit& out, const FibrePoint& point, double turn, double length, double angle) const {
     const FibreTangent path = fibre_tangent(meridian_, point.t, turn, angle);
     const EyePosition at = eye_.at(path);
     if (eye_.deepest_mm(path, at.free_length_mm) > most_bridging_mm) {
@@ -73,15 +82,48 @@ class CircuitMaker {
     }
     out.least_free_mm = std::min(out.least_free_mm, at.free_length_mm);
     out.most_free_mm = std::max(out.most_free_mm, at.free_length_mm);
-    const std::vector<double>& breaks = meridian_.breaks();
-    kinks_.push_back(std::binary_search(breaks.begin(), breaks.end(), point.t));
     out.samples.push_back({length, point.angle_rad, axes_of(at)});
+  }
+
+  // Where the meridian's curvature may jump, and the eye's speed with it.
+  bool is_kink(const MeridianGeodesic::Phase& phase) const {
+    const std::vector<double>& breaks = meridian_.breaks();
+    return std::binary_search(breaks.begin(), breaks.end(), phase.t);
+  }
+
+  // Halves pieces beside samples that are too uneven, there or back; false where none is.
+  bool refine(const std::vector<EyeSample>& samples) {
+    const std::size_t last = phases_.size() - 1;
+    std::vector<bool> halved(last, false);
+    bool any = false;
+    const auto check = [&](std::size_t i, std::size_t phase) {
+      if (unevenness(samples[i - 1], samples[i], samples[i + 1]) <= 0.8) return;
+      const double before = phases_[phase].phi - phases_[phase - 1].phi;
+      const double after = phases_[phase + 1].phi - phases_[phase].phi;
+      if (before >= 0.75 * after) halved[phase - 1] = true;
+      if (after >= 0.75 * before) halved[phase] = true;
+      any = true;
+    };
+    for (std::size_t phase = 1; phase < last; ++phase) {
+      if (is_kink(phases_[phase])) continue;
+      check(phase, phase);
+      check(2 * last - phase, phase);
+    }
+    // the turn at the last end, between there and back
+    if (unevenness(samples[last - 1], samples[last], samples[last + 1]) > 0.8) halved[last - 1] = any = true;
+    std::vector<MeridianGeodesic::Phase> finer{phases_.front()};
+    for (std::size_t i = 0; i < last; ++i) {
+      if (halved[i]) finer.push_back(pass_.between(phases_[i], phases_[i + 1]));
+      finer.push_back(phases_[i + 1]);
+    }
+    phases_ = std::move(finer);
+    return any;
   }
 
   const Meridian& meridian_;
   const MeridianGeodesic& pass_;
   const PayoutEye& eye_;
-  std::vector<bool> kinks_;  // of the samples: where the meridian's curvature may jump, and the eye's speed
+  std::vector<MeridianGeodesic::Phase> phases_;
 };
 
 // Ramer, Douglas and Peucker's choice, along the path's length and with most of what is allowed.
@@ -131,11 +173,7 @@ void keep_turning(std::vector<EyeSample>& samples) {
 
 EyeCircuit eye_circuit(const Meridian& meridian, const MeridianGeodesic& pass, const PayoutEye& eye) {
   refuse_edges(meridian, pass);
-  constexpr int fewest = 512, most = 32768;
-  CircuitMaker maker(meridian, pass, eye);
-  EyeCircuit circuit = maker.dense(fewest);
-  for (int count = 2 * fewest; count <= most && !maker.close_enough(circuit.samples); count *= 2)
-    circuit = maker.dense(count);
+  EyeCircuit circuit = CircuitMaker(meridian, pass, eye).dense();
   std::vector<EyeSample> kept{circuit.samples.front()};
   thin(circuit.samples, 0, circuit.samples.size() - 1, kept);
   keep_turning(kept);

@@ -114,7 +114,12 @@ std::vector<FibrePoint> MeridianGeodesic::points(int count) const {
   return points_at(phases);
 }
 
-std::vector<FibrePoint> MeridianGeodesic::points_and_breaks(int count) const {
+MeridianGeodesic::Phase MeridianGeodesic::between(const Phase& a, const Phase& b) const {
+  const double phi = (a.phi + b.phi) / 2;
+  return {phi, parameter(phi)};
+}
+
+std::vector<MeridianGeodesic::Phase> MeridianGeodesic::phases_and_breaks(int count) const {
   const double step = std::numbers::pi / count, beside = 0.01 * step;
   std::vector<Phase> phases;
   for (const double t : meridian_.breaks()) {
@@ -130,7 +135,7 @@ std::vector<FibrePoint> MeridianGeodesic::points_and_breaks(int count) const {
     if (after == breaks.end() || after->phi > phi + beside) phases.push_back({phi, parameter(phi)});
   }
   std::sort(phases.begin(), phases.end(), [](const Phase& a, const Phase& b) { return a.phi < b.phi; });
-  return points_at(phases);
+  return phases;
 }
 
 std::vector<FibrePoint> MeridianGeodesic::points_at(const std::vector<Phase>& phases) const {

@@ -47,8 +47,16 @@ class MeridianGeodesic {
   double length_mm() const { return length_mm_; }  ///< of the fibre
   /// The pass in `count` + 1 points, closer where it turns.
   std::vector<FibrePoint> points(int count) const;
-  /// And where it crosses the meridian's breaks, with their very parameters.
-  std::vector<FibrePoint> points_and_breaks(int count) const;
+
+  /// A place of the pass: phi grows from 0 to pi along it, t = (a + b)/2 - (b - a)/2 cos(phi).
+  struct Phase {
+    double phi = 0, t = 0;
+  };
+  /// `count` + 1 even phases, and those of the meridian's breaks, with their very parameters.
+  std::vector<Phase> phases_and_breaks(int count) const;
+  Phase between(const Phase& a, const Phase& b) const;
+  /// The first counts as the pass's first end. REQUIRES: growing.
+  std::vector<FibrePoint> points_at(const std::vector<Phase>& phases) const;
 
  private:
   enum class Quantity { turn, length };
@@ -56,10 +64,6 @@ class MeridianGeodesic {
   double rate(Quantity quantity, double phi) const;
   double above_clairaut(double phi, const MeridianPoint& at) const;
   double smooth_way(bool near_first) const;
-  struct Phase {
-    double phi, t;
-  };
-  std::vector<FibrePoint> points_at(const std::vector<Phase>& phases) const;
   double parameter(double phi) const;
   double phase(double t) const;
   PassEnd end_of(double from, bool forward) const;
