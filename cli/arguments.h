@@ -15,13 +15,14 @@ struct JobFlag {
 struct WindArguments {
   enum class Command { validate, plan, simulate, patterns, inspect };
   Command command = Command::validate;
-  std::string file, output, faces;
+  std::string file, output, faces, machine;
   bool fiberpath = false;
   std::string angle, angle_from, tolerance, tow_width, overlap, point_count;  ///< as typed
   std::optional<double> angle_deg;     ///< from the axis; none, in patterns: that of the first helical layer
   std::optional<double> tow_width_mm;  ///< patterns on a mandrel
   double most_overlap = 0.1;           ///< patterns on a mandrel
   double tolerance_deg = 2;            ///< patterns
+  std::string over_speed;              ///< plan of a vessel: "", "clamp" or "refuse"
   int points = 0;                      ///< inspect --json: pieces of the path that is listed
 };
 

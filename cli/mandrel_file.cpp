@@ -59,8 +59,20 @@ MandrelFile mandrel_of_part(const WindArguments& arguments) {
 
 }  // namespace
 
+MandrelFile read_mandrel(const VesselFile& vessel) {
+  WindArguments mandrel;
+  mandrel.file = vessel.mandrel;
+  mandrel.faces = vessel.faces;
+  return read_mandrel(mandrel);
+}
+
 MandrelFile read_mandrel(const WindArguments& arguments) {
   const std::filesystem::path kind = std::filesystem::path(arguments.file).extension();
+  if (kind == ".toml") {
+    if (!arguments.faces.empty())
+      throw Error(ErrorCode::usage, "--face", "is for parts; give the faces in the file's [mandrel]");
+    return read_mandrel(read_vessel(arguments.file));
+  }
   if (kind != ".wind" && kind != ".csv") {
     require_readable_file(arguments.file);
     return mandrel_of_part(arguments);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/arguments.h"
+#include "io/vessel_toml.h"
 #include "winding/meridian.h"
 
 namespace afptraj::cli {
@@ -15,7 +16,8 @@ struct MandrelFile {
   std::string text;
 };
 
-/// From a meridian (.csv), the mandrel of a `.wind` file, or a part (anything else: STEP).
+/// From a meridian (.csv), the mandrel of a `.wind` or vessel file (.toml), or a part (anything else: STEP).
 MandrelFile read_mandrel(const WindArguments& arguments);
+MandrelFile read_mandrel(const VesselFile& vessel);
 
 }  // namespace afptraj::cli

@@ -20,12 +20,17 @@ WindDefinition read_sound_definition(const WindArguments& arguments) {
   return definition;
 }
 
+bool is_vessel(const WindArguments& arguments) {
+  return std::filesystem::path(arguments.file).extension() == ".toml";
+}
+
 int wind(const Arguments& arguments) {
+  const bool vessel = is_vessel(arguments.wind);
   switch (arguments.wind.command) {
     case WindArguments::Command::validate:
-      return wind_validate(arguments);
+      return vessel ? wind_vessel_validate(arguments) : wind_validate(arguments);
     case WindArguments::Command::plan:
-      return wind_plan(arguments);
+      return vessel ? wind_vessel_plan(arguments) : wind_plan(arguments);
     case WindArguments::Command::simulate:
       return wind_simulate(arguments);
     case WindArguments::Command::patterns:

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "cli/wind_commands.h"
 #include "geometry/error.h"
 #include "io/text_file.h"
 
@@ -12,6 +13,7 @@ const char* const wind_examples = R"(Examples:
   afptraj wind validate vessel.wind
   afptraj wind plan vessel.wind -o program.gcode
   afptraj wind plan vessel.wind -o program.gcode --fiberpath
+  afptraj wind plan vessel.toml -o program.gcode
   afptraj wind simulate program.gcode
   afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2
   afptraj wind inspect meridian.csv --angle 20
@@ -31,6 +33,29 @@ void add_angle(CLI::App& command, WindArguments& arguments, const char* what) {
       ->type_name("FROM");
 }
 
+void add_machine(CLI::App& command, WindArguments& arguments) {
+  command.add_option("--machine", arguments.machine, "of a vessel.toml: the machine [the one that it names]")
+      ->type_name("machine.toml");
+  command
+      .add_option("--over-speed", arguments.over_speed,
+                  "of a vessel.toml: where an axis is too slow, clamp or refuse [clamp]")
+      ->type_name("HOW");
+}
+
+void check_machine(const WindArguments& arguments) {
+  const std::string& how = arguments.over_speed;
+  if (!how.empty() && how != "refuse" && how != "clamp")
+    throw Error(ErrorCode::usage, "--over-speed", "'" + printable(how) + "' is unknown; use clamp or refuse");
+  const bool vessel = is_vessel(arguments);
+  for (const auto& [flag, text] :
+       {std::pair{"--machine", &arguments.machine}, {"--over-speed", &arguments.over_speed}}) {
+    if (!vessel && !text->empty())
+      throw Error(ErrorCode::usage, flag, "is for windings of a vessel (.toml); leave it out");
+  }
+  if (vessel && arguments.fiberpath)
+    throw Error(ErrorCode::usage, "--fiberpath", "is for .wind files; leave it out");
+}
+
 // The asked angle from the axis.
 std::optional<double> asked_angle(const WindArguments& arguments) {
   const std::string& from = arguments.angle_from;
@@ -47,19 +72,25 @@ std::optional<double> asked_angle(const WindArguments& arguments) {
 }  // namespace
 
 CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindFlags& flags) {
-  CLI::App* wind = app.add_subcommand("wind", "Filament winding: machine programs from .wind files.");
+  CLI::App* wind =
+      app.add_subcommand("wind", "Filament winding: machine programs for tubes (.wind) and vessels (.toml).");
   wind->footer(wind_examples);
 
-  CLI::App* validate = add_command(*wind, "validate", "Says whether a .wind file can be wound.", arguments);
+  CLI::App* validate =
+      add_command(*wind, "validate", "Says whether a .wind or vessel file can be wound.", arguments);
   validate->footer(
       "Examples:\n  afptraj wind validate vessel.wind\n"
       "  afptraj wind validate vessel.wind --fiberpath --json");
+  add_machine(*validate, arguments);
   validate->add_flag("--json", *flags.json, "for machines");
 
-  CLI::App* plan = add_command(*wind, "plan", "Writes the machine program of a .wind file.", arguments);
+  CLI::App* plan =
+      add_command(*wind, "plan", "Writes the machine program of a .wind or vessel file.", arguments);
   plan->footer(
       "Examples:\n  afptraj wind plan vessel.wind -o program.gcode\n"
-      "  afptraj wind plan vessel.wind --fiberpath --json > summary.json");
+      "  afptraj wind plan vessel.wind --fiberpath --json > summary.json\n"
+      "  afptraj wind plan vessel.toml --machine winder.toml --over-speed refuse");
+  add_machine(*plan, arguments);
   plan->add_option("-o,--output", arguments.output, "the program [<file>.gcode]")->type_name("FILE");
   plan->add_flag("--force", *flags.force, "replace an earlier program");
   plan->add_flag("--json", *flags.json, "print a summary for machines instead of a table");
@@ -103,7 +134,8 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
       "  afptraj wind inspect meridian.csv --angle 20 --points 200 --json\n\n"
       "A meridian is a table with the columns z and r; a row that stands twice is a corner.\n"
       "The angle is that at the widest place, measured from the axis.");
-  inspect->add_option("file", arguments.file, "the mandrel: meridian.csv, vessel.wind or part.step")
+  inspect
+      ->add_option("file", arguments.file, "the mandrel: meridian.csv, vessel.wind, vessel.toml or part.step")
       ->type_name("meridian.csv");
   add_angle(*inspect, arguments, "winding angle of a geodesic");
   inspect->add_option("--points", arguments.point_count, "with --json: list its path in so many pieces")
@@ -131,6 +163,7 @@ void finish_wind(const CLI::App& command, WindArguments& arguments) {
                                                                  : ".wind file";
     throw Error(ErrorCode::usage, name, std::string("needs a ") + wanted + "; see " + name + " --help");
   }
+  check_machine(arguments);
   arguments.angle_deg = asked_angle(arguments);
   if (!arguments.overlap.empty())
     arguments.most_overlap = bounded("--overlap", arguments.overlap, 0, 100, false) / 100;

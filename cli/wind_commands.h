@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cli/arguments.h"
+#include "io/machine_program_file.h"
 #include "winding/wind_definition.h"
 
 namespace afptraj::cli {
@@ -8,10 +9,16 @@ namespace afptraj::cli {
 /// The commands below `afptraj wind`; as those of commands.h.
 int wind_validate(const Arguments& arguments);
 int wind_plan(const Arguments& arguments);
+int wind_vessel_plan(const Arguments& arguments);
+int wind_vessel_validate(const Arguments& arguments);
 int wind_simulate(const Arguments& arguments);
 int wind_patterns(const Arguments& arguments);
 int wind_vessel_patterns(const Arguments& arguments);
 int wind_inspect(const Arguments& arguments);
+int print_simulated(const SimulatedMachineProgram& program, const Arguments& arguments);
+
+/// Whether the file is a winding of a mandrel with a meridian (.toml).
+bool is_vessel(const WindArguments& arguments);
 
 WindMode wind_mode(const WindArguments& arguments);
 

@@ -4,11 +4,14 @@
 #include "cli/terminal.h"
 #include "cli/wind_commands.h"
 #include "io/program_file.h"
+#include "io/text_file.h"
 
 namespace afptraj::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t largest_program = 4'000'000'000;  // bytes
 
 std::string json_text(const SimulatedProgram& program) {
   Json layers = Json::array();
@@ -67,7 +70,11 @@ std::string table_text(const SimulatedProgram& program) {
 }  // namespace
 
 int wind_simulate(const Arguments& arguments) {
-  const SimulatedProgram program = simulate_file(arguments.wind.file, check_stop);
+  const std::string& file = arguments.wind.file;
+  const std::string text = read_file(file, largest_program);
+  if (is_machine_program(text))
+    return print_simulated(simulate_machine_text(file, text, check_stop), arguments);
+  const SimulatedProgram program = simulate_text(file, text, check_stop);
   print(arguments.json ? json_text(program) : table_text(program));
   return 0;
 }

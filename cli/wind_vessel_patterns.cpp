@@ -13,6 +13,15 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t shown_rows = 20;
 
+// A vessel's file says what the flags do not.
+WindArguments completed(WindArguments arguments) {
+  if (!is_vessel(arguments)) return arguments;
+  const VesselFile vessel = read_vessel(arguments.file);
+  if (!arguments.angle_deg) arguments.angle_deg = vessel.layers.front().angle_deg;
+  if (!arguments.tow_width_mm) arguments.tow_width_mm = vessel.tow.width_mm;
+  return arguments;
+}
+
 VesselQuery query_of(const WindArguments& arguments) {
   if (!arguments.angle_deg)
     throw Error(ErrorCode::usage, "--angle", "is missing; give the winding angle at the widest place");
@@ -69,7 +78,7 @@ std::string table_text(const VesselQuery& query, const std::vector<VesselPattern
 }  // namespace
 
 int wind_vessel_patterns(const Arguments& arguments) {
-  const VesselQuery query = query_of(arguments.wind);
+  const VesselQuery query = query_of(completed(arguments.wind));
   const MandrelFile mandrel = read_mandrel(arguments.wind);
   const double least = least_angle_deg(mandrel.meridian, query.tow_width_mm);
   if (query.angle_deg + query.tolerance_deg < least) {

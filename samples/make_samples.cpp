@@ -147,6 +147,10 @@ void dome(const std::filesystem::path& to) {
                                                   {{"P1 0", gp_Vec(1, 0.2, 0), constant(0)}}));
 }
 
+void vessel(const std::filesystem::path& to) {
+  samples::write_part(to / "part.step", "vessel", samples::vessel_shell());
+}
+
 void duct(const std::filesystem::path& to) {
   const Handle(Geom_BSplineSurface) surface = samples::duct_surface();
   samples::write_part(to / "part.step", "duct", samples::whole_face(surface));
@@ -165,7 +169,8 @@ void saddle(const std::filesystem::path& to) {
 
 void make_all(const std::filesystem::path& directory) {
   const std::pair<const char*, void (*)(const std::filesystem::path&)> all[] = {
-      {"panel", panel}, {"wing", wing}, {"hole", hole}, {"dome", dome}, {"duct", duct}, {"saddle", saddle}};
+      {"panel", panel}, {"wing", wing},     {"hole", hole},    {"dome", dome},
+      {"duct", duct},   {"saddle", saddle}, {"vessel", vessel}};
   for (const auto& [name, make] : all) {
     std::filesystem::create_directories(directory / name);
     make(directory / name);

@@ -183,19 +183,17 @@ Handle(Geom_BSplineSurface) hole_surface() {
   });
 }
 
-Handle(Geom_BSplineSurface) dome_surface() {
-  // A half ellipsoid of radius 400 mm and height 320 mm, exactly: full circle times quarter ellipse,
-  // both rational quadratics.
-  const double radius = 400, height = 320, h = std::sqrt(0.5);
+// A full circle times an arc of a conic (r, z) with the weight of its middle pole: rational quadratics both.
+Handle(Geom_BSplineSurface) revolved(const double (&profile)[3][2], double weight) {
+  const double h = std::sqrt(0.5);
   const int ring[9][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}, {1, 0}};
-  const double profile[3][2] = {{1, 0}, {1, 1}, {0, 1}};
   TColgp_Array2OfPnt poles(1, 9, 1, 3);
   TColStd_Array2OfReal weights(1, 9, 1, 3);
   for (int i = 0; i < 9; ++i) {
     for (int j = 0; j < 3; ++j) {
-      const double r = radius * profile[j][0];
-      poles.SetValue(i + 1, j + 1, gp_Pnt(r * ring[i][0], r * ring[i][1], height * profile[j][1]));
-      weights.SetValue(i + 1, j + 1, (i % 2 == 1 ? h : 1) * (j == 1 ? h : 1));
+      const double r = profile[j][0];
+      poles.SetValue(i + 1, j + 1, gp_Pnt(r * ring[i][0], r * ring[i][1], profile[j][1]));
+      weights.SetValue(i + 1, j + 1, (i % 2 == 1 ? h : 1) * (j == 1 ? weight : 1));
     }
   }
   TColStd_Array1OfReal u(1, 5), v(1, 2);
@@ -209,6 +207,27 @@ Handle(Geom_BSplineSurface) dome_surface() {
     mult_v.SetValue(j + 1, 3);
   }
   return new Geom_BSplineSurface(poles, weights, u, v, mult_u, mult_v, 2, 2);
+}
+
+Handle(Geom_BSplineSurface) dome_surface() {
+  // A half ellipsoid of radius 400 mm and height 320 mm, exactly.
+  const double radius = 400, height = 320;
+  return revolved({{radius, 0}, {radius, height}, {0, height}}, std::sqrt(0.5));
+}
+
+TopoDS_Shape vessel_shell() {
+  const double radius = 150, height = 105, opening = 30, length = 300;
+  // The ellipse's arc by its eccentric angle a from the cylinder: (R cos a, h sin a); the middle pole is
+  // where the tangents at its ends meet.
+  const double half = std::acos(opening / radius) / 2, weight = std::cos(half);
+  const double middle_r = radius, middle_z = height * std::tan(half), end_z = height * std::sin(2 * half);
+  BRepBuilderAPI_Sewing sewing(1e-6);
+  sewing.Add(whole_face(revolved({{opening, -end_z}, {middle_r, -middle_z}, {radius, 0}}, weight)));
+  sewing.Add(whole_face(revolved({{radius, 0}, {radius, length / 2}, {radius, length}}, 1)));
+  sewing.Add(whole_face(
+      revolved({{radius, length}, {middle_r, length + middle_z}, {opening, length + end_z}}, weight)));
+  sewing.Perform();
+  return sewing.SewedShape();
 }
 
 Handle(Geom_BSplineSurface) duct_surface() {

@@ -36,6 +36,9 @@ Handle(Geom_BSplineSurface) panel_surface();
 Handle(Geom_BSplineSurface) wing_surface();
 Handle(Geom_BSplineSurface) hole_surface();
 Handle(Geom_BSplineSurface) dome_surface();
+/// A vessel along z: radius 150 mm, cylinder 300 mm long, domes of half an ellipsoid of 105 mm that end at
+/// openings of radius 30 mm, as three faces sewn to a shell.
+TopoDS_Shape vessel_shell();
 Handle(Geom_BSplineSurface) duct_surface();
 Handle(Geom_BSplineSurface) saddle_surface();
 

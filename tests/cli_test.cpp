@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <thread>
 
@@ -268,6 +269,60 @@ TEST_F(Cli, WindInspectsMandrels) {
   expect_error(run({"wind", "inspect", "back.csv"}), 3, "back.csv: goes back near z");
   write("word.csv", "z,r\n0,5\n10,five\n");
   expect_error(run({"wind", "inspect", "word.csv"}), 3, "word.csv:3: r is 'five'; write a number in mm");
+}
+
+TEST_F(Cli, WindPlansAndSimulatesVessels) {
+  const std::string vessel = samples + "vessel/vessel.toml", machine = samples + "vessel/machine.toml";
+  EXPECT_HAS(run({"wind", "plan", vessel, "-o", "vessel.gcode"}).out, "carriage held at 1000 per s");
+  const auto by_part =
+      nlohmann::json::parse(run({"wind", "plan", vessel, "-o", "vessel.gcode", "--force", "--json"}).out);
+  const auto laid = nlohmann::json::parse(run({"wind", "simulate", "vessel.gcode", "--json"}).out);
+  ASSERT_EQ(laid["layers"].size(), 2u);
+  for (const auto& layer : laid["layers"]) {
+    EXPECT_EQ(layer["covered_share"], 1.0);
+    EXPECT_EQ(layer["one_way_covered_share"], 1.0);
+    EXPECT_EQ(layer["backward_turns"], 0);
+    EXPECT_LT(layer["start_error_deg"], 0.01);
+    EXPECT_NEAR(layer["clearance_mm"], 20, 0.01);
+  }
+  EXPECT_HAS(run({"wind", "simulate", "vessel.gcode"}).out, "2 of 2: helical, angle 50.27");
+  EXPECT_HAS(run({"wind", "patterns", vessel}).out, "20.61");
+  EXPECT_HAS(run({"wind", "inspect", vessel}).out, "r 150 mm");
+  expect_error(run({"wind", "plan", vessel, "-o", "vessel.gcode"}), 5, "exists; give --force");
+  expect_error(run({"wind", "validate", vessel, "--over-speed", "refuse"}), 4,
+               "FeedRateExceeded: layer 1: carriage would run at");
+  expect_error(run({"wind", "validate", vessel, "--over-speed", "brake"}), 2, "use clamp or refuse");
+  expect_error(run({"wind", "validate", vessel, "--fiberpath"}), 2, "--fiberpath: is for .wind files");
+  expect_error(run({"wind", "inspect", vessel, "--face", "1"}), 2, "--face: is for parts");
+  write("tank.toml",
+        "feed = 9000\n[mandrel]\nfile = 'tank.csv'\n[tow]\nwidth = 30\nthickness = 0.3\n"
+        "[[layer]]\nangle = 30\ntolerance = 3\n");
+  expect_error(run({"wind", "plan", "tank.toml"}), 2, "tank.toml: names no machine");
+  expect_error(run({"wind", "plan", "tank.toml", "--machine", machine}), 3, "tank.csv: no such file");
+  // the part and the table are the same mandrel; splines through the table are off by microns
+  write("same.toml", std::regex_replace(content_of(vessel), std::regex("part.step"), "tank.csv"));
+  write("tank.csv", content_of(samples + "vessel/meridian.csv"));
+  EXPECT_EQ(run({"wind", "validate", "tank.toml", "--machine", machine}).out, "tank.toml is valid.\n");
+  const auto planned = nlohmann::json::parse(
+      run({"wind", "plan", "tank.toml", "--machine", machine, "--json"}).out);  // tank.gcode
+  EXPECT_EQ(planned["output"], "tank.gcode");
+  EXPECT_EQ(planned["layers"][0]["wind_type"], "helical");
+  EXPECT_NEAR(planned["layers"][0]["angle_deg"], 30, 3);
+  const auto by_table = nlohmann::json::parse(
+      run({"wind", "plan", "same.toml", "--machine", machine, "-o", "same.gcode", "--json"}).out);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto &table = by_table["layers"][i], &part = by_part["layers"][i];
+    EXPECT_EQ(table["circuits"], part["circuits"]);
+    EXPECT_EQ(table["stride"], part["stride"]);
+    EXPECT_NEAR(table["angle_deg"], part["angle_deg"], 1e-3);
+    EXPECT_NEAR(table["laid_m"], part["laid_m"], 1e-3);
+  }
+  write("tube.wind", tube);
+  expect_error(run({"wind", "plan", "tube.wind", "--machine", machine}), 2,
+               "--machine: is for windings of a vessel");
+  expect_error(run({"wind", "plan", "none.toml"}), 2, "none.toml: no such file");
+  EXPECT_EQ(names(), (std::set<std::string>{"vessel.gcode", "same.toml", "same.gcode", "tank.toml",
+                                            "tank.csv", "tank.gcode", "tube.wind"}));
 }
 
 TEST_F(Cli, WindRefusesInOneLine) {

@@ -129,11 +129,11 @@ TEST(MachineWriter, Dialects) {
                                        {{50.8, 735, 0, 0}, MovePurpose::lay, 1, 0, 1}};
   // sqrt(25.4^2 + 30^2) * 120, 695 * 30, sqrt(25.4^2 + 10^2) * 60
   EXPECT_EQ(program(profile, moves),
-            "G1 X25.4 A30 F4717.02279\nG1 X25.4 A725 F20850\nG92 A5\nG1 X50.8 A15 F1637.857137\n");
+            "G1 X25.4 A30 F4717.02279\nG1 A725 F20850\nG92 A5\nG1 X50.8 A15 F1637.857137\n");
   profile.roll_over = false;
   profile.dialect = Dialect::rs274;
   profile.inches = true;
-  EXPECT_EQ(program(profile, moves), "G1 X1 A30 F120\nG1 X1 A725 F30\nG1 X2 A735 F60\nM2\n");
+  EXPECT_EQ(program(profile, moves), "G1 X1 A30 F120\nG1 A725 F30\nG1 X2 A735 F60\nM2\n");
 }
 
 }  // namespace

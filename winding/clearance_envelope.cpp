@@ -61,8 +61,7 @@ ClearanceEnvelope::ClearanceEnvelope(const Meridian& meridian, double clearance_
 }
 
 ClearanceEnvelope::Distance ClearanceEnvelope::distance(double z_mm, double radius_mm) const {
-  Distance best;
-  double least = 1e300;
+  double least = 1e300, by_z = 0, by_radius = 0;  // squared; the way from the nearest place of the hull
   bool inside = true;
   for (std::size_t i = 0; i + 1 < hull_.size(); ++i) {
     const MeridianRow &a = hull_[i], &b = hull_[i + 1];
@@ -71,12 +70,14 @@ ClearanceEnvelope::Distance ClearanceEnvelope::distance(double z_mm, double radi
     const double pz = z_mm - a.z_mm, pr = radius_mm - a.r_mm;
     if (pr * ez - pz * er > 0) inside = false;
     const double share = std::clamp((pz * ez + pr * er) / square, 0.0, 1.0);
-    const double qz = pz - share * ez, qr = pr - share * er, mm = std::hypot(qz, qr);
-    if (mm >= least) continue;
-    least = mm;
-    best = mm > 0 ? Distance{mm, qz / mm, qr / mm} : Distance{};
+    const double qz = pz - share * ez, qr = pr - share * er, far = qz * qz + qr * qr;
+    if (far >= least) continue;
+    least = far;
+    by_z = qz;
+    by_radius = qr;
   }
-  return inside ? Distance{} : best;
+  const double mm = std::hypot(by_z, by_radius);
+  return inside || mm == 0 ? Distance{} : Distance{mm, by_z / mm, by_radius / mm};
 }
 
 double ClearanceEnvelope::depth_mm(double z_mm, double radius_mm) const {

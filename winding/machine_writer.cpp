@@ -60,22 +60,21 @@ double MachineWriter::written(std::size_t axis, double value) const {
   return profile_.inches && is_linear(axis) ? value / mm_per_inch : value;
 }
 
-void MachineWriter::move(const MachineMove& move) {
+void MachineWriter::write(const MachineMove& move, bool all_axes) {
   std::string text = "G1";
   double square = 0;
-  bool changes = false;
   for (std::size_t i = 0; i < winder_axes; ++i) {
     if (!profile_.axes[i]) continue;
-    const double to = written(i, move.to[i]), way = to - written(i, at_[i]);
-    square += way * way;
-    changes = changes || millionths(to) != millionths(written(i, at_[i]));
+    const double to = written(i, move.to[i]), from = written(i, at_[i]);
+    square += (to - from) * (to - from);
+    if (!all_axes && millionths(to) == millionths(from)) continue;
     text += std::string(" ") + profile_.axes[i]->letter + fixed_text(to);
+    at_[i] = move.to[i];
   }
-  if (!changes || !(move.time_s > 0)) return;
-  at_ = move.to;
-  const double by_minute = 60 / move.time_s;
-  const double feed = profile_.dialect == Dialect::rs274 ? by_minute : std::sqrt(square) * by_minute;
-  line(text + " F" + fixed_text(feed));
+  if (text.size() == 2) return;
+  const double by_minute = move.time_s > 0 ? 60 / move.time_s : 60;  // where all are named, and none moves
+  const double way = square > 0 ? std::sqrt(square) : 1;
+  line(text + " F" + fixed_text(profile_.dialect == Dialect::rs274 ? by_minute : way * by_minute));
 }
 
 void MachineWriter::roll_over() {

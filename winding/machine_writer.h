@@ -20,7 +20,10 @@ class MachineWriter {
 
   void header(const Meridian& meridian, const WindTow& tow);
   void comment(const std::string& text) { line("; " + text); }
-  void move(const MachineMove& move);
+  /// Names the axes that move; writes nothing where none does.
+  void move(const MachineMove& move) { write(move, false); }
+  /// Names all axes, for a machine that may stand anywhere.
+  void place(const MachineMove& move) { write(move, true); }
   /// With roll-over: declares the mandrel to stand whole turns further back, in [0, 360). Targets of moves
   /// are given as if it did not.
   void roll_over();
@@ -29,6 +32,7 @@ class MachineWriter {
   std::int64_t lines() const { return lines_; }
 
  private:
+  void write(const MachineMove& move, bool all_axes);
   void line(const std::string& text);
   void number_lines(const char* word, const std::vector<double>& numbers);
   double written(std::size_t axis, double value) const;

@@ -106,17 +106,50 @@ double MeridianGeodesic::over(Quantity quantity, double phi0, double phi1) const
 }
 
 std::vector<FibrePoint> MeridianGeodesic::points(int count) const {
-  std::vector<FibrePoint> out;
+  std::vector<Phase> phases;
   for (int k = 0; k <= count; ++k) {
     const double phi = std::numbers::pi * k / count;
+    phases.push_back({phi, parameter(phi)});
+  }
+  return points_at(phases);
+}
+
+MeridianGeodesic::Phase MeridianGeodesic::between(const Phase& a, const Phase& b) const {
+  const double phi = (a.phi + b.phi) / 2;
+  return {phi, parameter(phi)};
+}
+
+std::vector<MeridianGeodesic::Phase> MeridianGeodesic::phases_and_breaks(int count) const {
+  const double step = std::numbers::pi / count, beside = 0.01 * step;
+  std::vector<Phase> phases;
+  for (const double t : meridian_.breaks()) {
+    if (t <= first_.t || t >= last_.t) continue;
+    const double phi = phase(t);
+    if (phi > beside && phi < std::numbers::pi - beside) phases.push_back({phi, t});
+  }
+  const std::vector<Phase> breaks = phases;
+  for (int k = 0; k <= count; ++k) {
+    const double phi = step * k;
+    const auto after = std::lower_bound(breaks.begin(), breaks.end(), phi - beside,
+                                        [](const Phase& at, double wanted) { return at.phi < wanted; });
+    if (after == breaks.end() || after->phi > phi + beside) phases.push_back({phi, parameter(phi)});
+  }
+  std::sort(phases.begin(), phases.end(), [](const Phase& a, const Phase& b) { return a.phi < b.phi; });
+  return phases;
+}
+
+std::vector<FibrePoint> MeridianGeodesic::points_at(const std::vector<Phase>& phases) const {
+  std::vector<FibrePoint> out;
+  for (std::size_t k = 0; k < phases.size(); ++k) {
+    const double phi = phases[k].phi;
     FibrePoint point;
-    point.t = parameter(phi);
+    point.t = phases[k].t;
     const MeridianPoint at = meridian_.at(point.t);
     point.z_mm = at.z_mm;
     point.r_mm = at.r_mm;
     point.angle_rad = std::asin(std::min(1.0, K_ / at.r_mm));
     if (k > 0) {
-      const double before = std::numbers::pi * (k - 1) / count;
+      const double before = phases[k - 1].phi;
       point.turn_rad = out.back().turn_rad + over(Quantity::turn, before, phi);
       point.length_mm = out.back().length_mm + over(Quantity::length, before, phi);
     }

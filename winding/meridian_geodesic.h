@@ -48,6 +48,16 @@ class MeridianGeodesic {
   /// The pass in `count` + 1 points, closer where it turns.
   std::vector<FibrePoint> points(int count) const;
 
+  /// A place of the pass: phi grows from 0 to pi along it, t = (a + b)/2 - (b - a)/2 cos(phi).
+  struct Phase {
+    double phi = 0, t = 0;
+  };
+  /// `count` + 1 even phases, and those of the meridian's breaks, with their very parameters.
+  std::vector<Phase> phases_and_breaks(int count) const;
+  Phase between(const Phase& a, const Phase& b) const;
+  /// The first counts as the pass's first end. REQUIRES: growing.
+  std::vector<FibrePoint> points_at(const std::vector<Phase>& phases) const;
+
  private:
   enum class Quantity { turn, length };
   double over(Quantity quantity, double phi0, double phi1) const;

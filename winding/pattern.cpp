@@ -81,4 +81,18 @@ double overlap(const WindMandrel& mandrel, const WindTow& tow, double angle_deg,
          1;
 }
 
+double uneven_deg(std::vector<double> angles) {
+  if (angles.empty()) return 0;
+  const double n = static_cast<double>(angles.size()), first = angles.front();
+  for (double& angle : angles) {
+    angle = modulo(angle - first, 360);
+    if (360 - angle < 180 / n) angle -= 360;  // the first place, from below
+  }
+  std::sort(angles.begin(), angles.end());
+  double worst = 0;
+  for (std::size_t k = 0; k < angles.size(); ++k)
+    worst = std::max(worst, std::abs(angles[k] - 360 * static_cast<double>(k) / n));
+  return worst;
+}
+
 }  // namespace afptraj

@@ -35,4 +35,8 @@ std::vector<double> closing_locks(double lock_deg, std::int64_t skip, std::int64
 /// The share by which neighbouring tows of N circuits overlap: N w / (cos(alpha) pi D) - 1.
 double overlap(const WindMandrel& mandrel, const WindTow& tow, double angle_deg, std::int64_t circuits);
 
+/// Greatest distance of angles from the places 360 k / n after the first; a place taken twice counts as the
+/// distance to the next. 0 for none.
+double uneven_deg(std::vector<double> angles);
+
 }  // namespace afptraj

@@ -14,22 +14,6 @@ int sections_of(const WindMandrel& mandrel, const WindTow& tow) {
   return static_cast<int>(std::clamp(std::ceil(8 * mandrel.length_mm / tow.width_mm), 64.0, 8192.0));
 }
 
-// Greatest distance of angles from the places 360 k / n after the first; a place taken twice counts as the
-// distance to the next.
-double uneven_deg(std::vector<double> angles) {
-  if (angles.empty()) return 0;
-  const double n = static_cast<double>(angles.size()), first = angles.front();
-  for (double& angle : angles) {
-    angle = modulo(angle - first, 360);
-    if (360 - angle < 180 / n) angle -= 360;  // the first place, from below
-  }
-  std::sort(angles.begin(), angles.end());
-  double worst = 0;
-  for (std::size_t k = 0; k < angles.size(); ++k)
-    worst = std::max(worst, std::abs(angles[k] - 360 * static_cast<double>(k) / n));
-  return worst;
-}
-
 }  // namespace
 
 std::int64_t SimulatedProgram::moves() const {

@@ -196,6 +196,41 @@ class DistanceToMeridian {
   std::vector<MeridianPoint> at_;
 };
 
+// Every `stride`-th row of each run between corners, and no fewer than some of each.
+Rows thinned(const Rows& rows, std::size_t stride, Rows& dropped) {
+  constexpr std::size_t fewest = 16;
+  Rows kept;
+  for (std::size_t first = 0; first < rows.size();) {
+    std::size_t last = first;
+    const auto same = [](const MeridianRow& a, const MeridianRow& b) {
+      return a.z_mm == b.z_mm && a.r_mm == b.r_mm;
+    };
+    while (last + 1 < rows.size() && !same(rows[last], rows[last + 1])) ++last;
+    const std::size_t step = std::clamp<std::size_t>((last - first) / fewest, 1, stride);
+    for (std::size_t i = first; i <= last; ++i) {
+      if ((i - first) % step == 0 || i == last) kept.push_back(rows[i]);
+      if (step > 1 && (i - first) % step == step / 2) dropped.push_back(rows[i]);
+    }
+    first = last + 1;
+  }
+  return kept;
+}
+
+// A section has far more rows than its spline needs, and each costs time wherever the mandrel is used: as few
+// as keep the spline to those that were left out.
+Meridian meridian_of(const Rows& rows) {
+  constexpr double departure_mm = 1e-6;
+  for (const std::size_t stride : {16, 8, 4, 2}) {
+    Rows dropped;
+    Meridian meridian = meridian_through(thinned(rows, stride, dropped));
+    const DistanceToMeridian distance(meridian);
+    if (std::all_of(dropped.begin(), dropped.end(),
+                    [&](const MeridianRow& row) { return distance(row) < departure_mm; }))
+      return meridian;
+  }
+  return meridian_through(rows);
+}
+
 // The direction from the axis to a place inside a face.
 Vec3 outward_at(const Skin& skin, int face, const Axis& axis) {
   constexpr int samples = 64;
@@ -219,7 +254,7 @@ SkinMandrel mandrel_from_skin(const Skin& skin, double tolerance_mm) {
   const auto runs = half_plane.cut(skin, skin.diagonal() / meridian_steps);
   if (runs.empty()) refuse("is not met by a plane through its axis; choose faces with --face");
   require_one_wall(runs, tolerance_mm);
-  SkinMandrel out{meridian_through(chained(runs)), axis.origin, axis.direction, 0};
+  SkinMandrel out{meridian_of(chained(runs)), axis.origin, axis.direction, 0};
   const DistanceToMeridian distance(out.meridian);
   const Vec3 across = axis.direction.cross(outward);
   for (int k = 1; k <= compared_half_planes; ++k) {

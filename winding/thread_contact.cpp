@@ -50,7 +50,8 @@ class Follower {
     std::vector<ContactPoint> out;
     double length = 0;
     enter(state.t);
-    while (const std::optional<Rate> here = rate(state)) {
+    const double longest = thread_mm(state) + step;
+    while (const std::optional<Rate> here = length < longest ? rate(state) : std::nullopt) {
       const MeridianPoint at = meridian_.at(state.t);
       out.push_back({state.t, at.z_mm, at.r_mm, state.turn_rad, length, here->angle_rad, at_eye()});
       std::optional<State> next = stepped(state, step);
@@ -68,6 +69,19 @@ class Follower {
   }
 
  private:
+  // What can be laid at most: the first free length, and the eye's way. It ends what goes round and round
+  // where the eye enters the mandrel.
+  double thread_mm(const State& start) const {
+    const Offset to = offset(stops_.front().eye, meridian_.at(start.t), start.turn_rad);
+    double sum = std::hypot(to.radial, to.hoop, to.axial);
+    for (std::size_t i = 1; i < stops_.size(); ++i) {
+      const EyePlace &a = stops_[i - 1].eye, &b = stops_[i].eye;
+      sum += std::hypot(b.z_mm - a.z_mm, b.radius_mm - a.radius_mm,
+                        (a.radius_mm + b.radius_mm) / 2 * (b.azimuth_rad - a.azimuth_rad));
+    }
+    return sum;
+  }
+
   static State ahead(const State& state, const Rate& rate, double way) {
     return {state.t + way * rate.t, state.turn_rad + way * rate.turn_rad};
   }
