@@ -59,6 +59,7 @@ void report_reference(PlyReport& report, const SteppedPath& stepped, const PathF
   report.reference_points = stepped.points.size();
   report.fit_rms_mm = fit.rms_mm;
   report.fit_max_mm = fit.max_mm;
+  report.reference_closed_over_mm = stepped.closed_over_mm;
   report.range_doubled_share =
       stepped.steps > 0 ? static_cast<double>(stepped.doubled) / static_cast<double>(stepped.steps) : 0;
   for (int i = 0; i < 2; ++i) {

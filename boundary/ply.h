@@ -119,6 +119,7 @@ struct PlyReport {
   double reference_length_mm = 0;
   std::size_t reference_points = 0;
   double fit_rms_mm = 0, fit_max_mm = 0;
+  double reference_closed_over_mm = 0;  ///< how far beside its start it came back before it was closed
   double range_doubled_share = 0;  ///< share of steps with no ply point in range at first
   std::string reference_end[2];    ///< why it ended, backward and forward
   // feature sections

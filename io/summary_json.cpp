@@ -88,6 +88,7 @@ Json reference(const PlyReport& report) {
           {"fit_rms_mm", small_number(report.fit_rms_mm)},
           {"fit_max_mm", small_number(report.fit_max_mm)},
           {"range_doubled_share", number(report.range_doubled_share)},
+          {"closed_over_mm", small_number(report.reference_closed_over_mm)},
           {"end_backward", report.reference_end[0]},
           {"end_forward", report.reference_end[1]}};
 }

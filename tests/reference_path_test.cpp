@@ -199,6 +199,38 @@ TEST(ReferencePath, ClosesRoundAClosedBSpline) {
   }
 }
 
+// A path that would come back aside of its start by a little is closed, the distance taken up evenly: a helix
+// of pitch h on a cylinder becomes the ring through its start. Above the limit it stays a helix.
+TEST(ReferencePath, ClosesAHelixOfLittlePitch) {
+  const double R = 300, length = 2 * pi * R;
+  const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, 1000});
+  for (const double pitch : {0.3, 4.0, 0.8 * StepOptions{}.closing_rad * length, StepOptions{}.closing_rad * length}) {
+    PlyOrientation ply{"P", {}, 0};
+    for (int i = 0; i < 36; ++i)
+      for (int k = 0; k < 21; ++k) {
+        const double a = i * pi / 18;
+        ply.points.push_back(
+            {Vec3(R * std::cos(a), R * std::sin(a), 50 * k), Vec3(-std::sin(a), std::cos(a), pitch / length), 0});
+      }
+    const DirectionField field = make_direction_field(skin, ply, 300, 5, "");
+    const SteppedPath path = step_reference_path(skin, field, {0, Uv(0.3, 500)}, StepOptions{});
+    // The weighted average tilts a little more than the points: those round the bend lose length along the
+    // tangent plane, not along the axis.
+    const SurfacePoint start{0, Uv(0.3, 500)};
+    const Vec3 asked = field.at(skin.point(start), skin.normal(start), Vec3(-std::sin(0.3), std::cos(0.3), 0)).direction;
+    const double real = length * asked.z() / std::hypot(asked.x(), asked.y());
+    EXPECT_EQ(path.closed, real <= StepOptions{}.closing_rad * length) << pitch;
+    if (!path.closed) continue;
+    // The average ripples by less than two hundredths from ply point to ply point.
+    EXPECT_NEAR(path.closed_over_mm, real, 0.02 * real) << pitch;
+    // Straight in the developed plane from the start to its image a turn on, so the ring at its height, but for
+    // the rest of the last step, below two steps of 2 mm, and the ripple over half the 52 mm between ply points.
+    for (const SteppedPoint& p : path.points) EXPECT_NEAR(p.position.z(), 500, (4 + 0.02 * 26) * real / length + 1e-6) << pitch;
+    EXPECT_EQ(path.points.front().position, path.points.back().position);
+    EXPECT_NEAR(path.points.back().s_mm, length, 4) << pitch;
+  }
+}
+
 // Round the tube of a torus, a duct bent into a ring.
 TEST(ReferencePath, ClosesRoundADuct) {
   const double r = 200;

@@ -8,6 +8,7 @@
 #include "geometry/error.h"
 #include "geometry/geodesic.h"
 #include "trajectory/apex.h"
+#include "trajectory/sideways.h"
 
 namespace afptraj {
 namespace {
@@ -93,17 +94,6 @@ std::vector<double> solve_moves(const std::vector<SteppedPoint>& points, const s
   return w;
 }
 
-void renew_directions(std::vector<SteppedPoint>& points) {
-  double s = points.front().s_mm;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto& before = points[i > 0 ? i - 1 : 0].position;
-    const auto& after = points[std::min(i + 1, points.size() - 1)].position;
-    if ((after - before).norm() > 0) points[i].direction = (after - before).normalized();
-    if (i > 0) s += (points[i].position - before).norm();
-    points[i].s_mm = s;
-  }
-}
-
 /// Turns an end at an apex to the side of its neighbour: the path arrives along a meridian.
 void renew_at_apex(const Skin& skin, SteppedPoint& end, const SteppedPoint& neighbour) {
   for (const Pole& pole : poles_of(skin))
@@ -119,24 +109,13 @@ SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const Fairin
   const double weight = options.fairness * std::pow(options.length_mm, 6);
   const bool at_apex[2] = {stepped.end[0] == WalkEnd::pole, stepped.end[1] == WalkEnd::pole};
   const bool held[2] = {stepped.closed || at_apex[0], stepped.closed || at_apex[1]};
-  GeodesicOptions geodesic;
-  geodesic.margin_mm = options.length_mm;
-  geodesic.outside_limit_mm = options.length_mm;
-  const GeodesicTracer tracer(skin, geodesic);
+  const GeodesicTracer tracer = sideways_tracer(skin, options.length_mm);
   std::vector<double> moved(out.points.size(), 0.0);
   for (int round = 0; round < 2; ++round) {
     const std::vector<double> w = solve_moves(out.points, measure(skin, out.points), moved, weight, held);
     for (std::size_t i = 0; i < out.points.size(); ++i) {
       SteppedPoint& p = out.points[i];
-      if (std::abs(w[i]) < 1e-12) continue;
-      const Vec3 n = p.normal_sign * skin.normal(p.at);
-      const bool outside = !skin.trim(p.at.face).contains(p.at.uv);
-      GeodesicState g = tracer.start(p.at, std::copysign(1.0, w[i]) * n.cross(p.direction), p.normal_sign, 1, 0, outside);
-      g.in_hole = outside;
-      if (tracer.advance(g, std::abs(w[i])) != TraceEnd::reached) continue;
-      p.at = g.at;
-      p.normal_sign = g.normal_sign;
-      p.position = skin.point(g.at);
+      if (std::abs(w[i]) < 1e-12 || !move_sideways(tracer, p, w[i])) continue;
       moved[i] += w[i];
     }
     if (at_apex[0]) renew_at_apex(skin, out.points.front(), out.points[1]);

@@ -6,6 +6,7 @@
 
 #include "geometry/curvature.h"
 #include "trajectory/apex.h"
+#include "trajectory/sideways.h"
 
 namespace afptraj {
 namespace {
@@ -227,7 +228,7 @@ class Walker {
     own_start_ = own_.size();
   }
   /// Whether the path has come back alongside an older stretch of itself, within W and not just
-  /// end-on; or exactly to its own start.
+  /// end-on; or to its own start, near enough to be closed.
   std::optional<WalkEnd> alongside(const SteppedPoint& p) const {
     const double W = options_.band_width_mm;
     const Vec3 n = p.normal_sign * skin_.normal(p.at);
@@ -248,7 +249,7 @@ class Walker {
       // Sideways along the skin: the height of the arc between the points is no distance.
       const double lateral = r.norm() < 2 * longest_step_ ? std::abs(r.dot(n.cross(p.direction))) : r.norm();
       const bool is_start = own && i == 0;
-      out = is_start && same_sense && lateral < 0.01 * options_.step_mm ? WalkEnd::closed : WalkEnd::alongside;
+      out = is_start && same_sense && lateral <= options_.closing_rad * p.s_mm ? WalkEnd::closed : WalkEnd::alongside;
     });
     return out;
   }
@@ -262,6 +263,23 @@ class Walker {
   std::size_t own_start_ = 0;
   double longest_step_ = 0;
 };
+
+/// Closes a walk that came back alongside its start: takes the distance up evenly along the way.
+void close(const Skin& skin, const StepOptions& options, std::vector<SteppedPoint>& points, SteppedPath& out) {
+  const SteppedPoint start = points.front(), end = points.back();
+  const Vec3 left = (end.normal_sign * skin.normal(end.at)).cross(end.direction);
+  const double w = (start.position - end.position).dot(left);
+  out.closed_over_mm = std::abs(w);
+  const GeodesicTracer tracer = sideways_tracer(skin, options.band_width_mm);
+  for (SteppedPoint& p : points)
+    if (const double part = w * p.s_mm / end.s_mm; std::abs(part) > 1e-9) move_sideways(tracer, p, part);
+  points.back().at = start.at;
+  points.back().position = start.position;
+  points.back().normal_sign = start.normal_sign;
+  renew_directions(points);
+  points.front().direction = points.back().direction =
+      (points[1].position - points[points.size() - 2].position).normalized();
+}
 
 }  // namespace
 
@@ -308,9 +326,7 @@ SteppedPath step_reference_path(const Skin& skin, const DirectionField& field, c
   if (forward.end == WalkEnd::closed) {
     out.closed = true;
     out.end[0] = WalkEnd::closed;
-    // The last point stands for the start again.
-    forward.points.back().at = start;
-    forward.points.back().position = p;
+    close(skin, options, forward.points, out);
     out.points = std::move(forward.points);
     return out;
   }
