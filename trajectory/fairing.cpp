@@ -43,14 +43,37 @@ struct Bend {
   double coefficient[3] = {0, 0, 0};  // of w at the point before, here, after
 };
 
-std::vector<Bend> measure(const Skin& skin, const std::vector<SteppedPoint>& points) {
-  std::vector<Bend> out(points.size());
-  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-    const Vec3 a = points[i].position - points[i - 1].position, c = points[i + 1].position - points[i].position;
+/// Neighbours along a path, round the joint of a closed one: its last point is its first again.
+class Neighbours {
+ public:
+  explicit Neighbours(const SteppedPath& path) : points_(path.points), closed_(path.closed) {}
+  /// Points that move each for itself.
+  std::size_t count() const { return closed_ ? points_.size() - 1 : points_.size(); }
+  bool has(std::size_t i, int step) const {
+    return closed_ || (step < 0 ? i >= static_cast<std::size_t>(-step) : i + static_cast<std::size_t>(step) < count());
+  }
+  std::size_t at(std::size_t i, int step) const {
+    const auto n = static_cast<std::ptrdiff_t>(count());
+    return static_cast<std::size_t>((static_cast<std::ptrdiff_t>(i) + step + n) % n);
+  }
+  /// From point i to the next.
+  Vec3 chord(std::size_t i) const { return points_[at(i, 1)].position - points_[i].position; }
+
+ private:
+  const std::vector<SteppedPoint>& points_;
+  bool closed_;
+};
+
+std::vector<Bend> measure(const Skin& skin, const SteppedPath& path) {
+  const Neighbours beside(path);
+  std::vector<Bend> out(beside.count());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!beside.has(i, -1) || !beside.has(i, 1)) continue;
+    const Vec3 a = beside.chord(beside.at(i, -1)), c = beside.chord(i);
     const double h1 = std::max(a.norm(), 1e-9), h2 = std::max(c.norm(), 1e-9);
-    const Vec3 n = points[i].normal_sign * skin.normal(points[i].at);
+    const Vec3 n = path.points[i].normal_sign * skin.normal(path.points[i].at);
     out[i].kappa = std::atan2(a.cross(c).dot(n), a.dot(c)) / (0.5 * (h1 + h2));
-    const double K = gaussian_curvature(skin.derivatives(points[i].at));
+    const double K = gaussian_curvature(skin.derivatives(path.points[i].at));
     out[i].coefficient[0] = 2 / (h1 * (h1 + h2));
     out[i].coefficient[2] = 2 / (h2 * (h1 + h2));
     out[i].coefficient[1] = -out[i].coefficient[0] - out[i].coefficient[2] + K;
@@ -59,25 +82,28 @@ std::vector<Bend> measure(const Skin& skin, const std::vector<SteppedPoint>& poi
 }
 
 /// The moves that fair the path; `moved` are those made so far, which count as distance too.
-std::vector<double> solve_moves(const std::vector<SteppedPoint>& points, const std::vector<Bend>& bends,
+std::vector<double> solve_moves(const SteppedPath& path, const std::vector<Bend>& bends,
                                 const std::vector<double>& moved, double weight, const bool (&held)[2]) {
-  const std::size_t n = points.size();
+  const Neighbours beside(path);
+  const std::size_t n = beside.count();
   std::vector<double> w(n, 0.0);
   ceres::Problem problem;
-  const auto gap = [&](std::size_t i) { return std::max((points[i + 1].position - points[i].position).norm(), 1e-9); };
+  const auto gap = [&](std::size_t i) { return std::max(beside.chord(i).norm(), 1e-9); };
   for (std::size_t i = 0; i < n; ++i) {
-    const double ds = 0.5 * ((i > 0 ? gap(i - 1) : 0) + (i + 1 < n ? gap(i) : 0));
+    const double ds =
+        0.5 * ((beside.has(i, -1) ? gap(beside.at(i, -1)) : 0) + (beside.has(i, 1) ? gap(i) : 0));
     const double root = std::sqrt(ds);
     const double coefficient[1] = {root};
     problem.AddResidualBlock(new LinearResidual<1>(coefficient, root * moved[i]), nullptr, &w[i]);
   }
-  for (std::size_t i = 1; i + 2 < n; ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!beside.has(i, -1) || !beside.has(i, 2)) continue;
     const double scale = std::sqrt(weight / gap(i));
-    const Bend &a = bends[i], &b = bends[i + 1];
+    const Bend &a = bends[i], &b = bends[beside.at(i, 1)];
     const double coefficient[4] = {-scale * a.coefficient[0], scale * (b.coefficient[0] - a.coefficient[1]),
                                    scale * (b.coefficient[1] - a.coefficient[2]), scale * b.coefficient[2]};
-    problem.AddResidualBlock(new LinearResidual<4>(coefficient, scale * (b.kappa - a.kappa)), nullptr, &w[i - 1], &w[i],
-                             &w[i + 1], &w[i + 2]);
+    problem.AddResidualBlock(new LinearResidual<4>(coefficient, scale * (b.kappa - a.kappa)), nullptr,
+                             &w[beside.at(i, -1)], &w[i], &w[beside.at(i, 1)], &w[beside.at(i, 2)]);
   }
   if (held[0]) problem.SetParameterBlockConstant(&w.front());
   if (held[1]) problem.SetParameterBlockConstant(&w.back());
@@ -108,19 +134,19 @@ SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const Fairin
   if (options.fairness <= 0 || stepped.points.size() < 5) return out;
   const double weight = options.fairness * std::pow(options.length_mm, 6);
   const bool at_apex[2] = {stepped.end[0] == WalkEnd::pole, stepped.end[1] == WalkEnd::pole};
-  const bool held[2] = {stepped.closed || at_apex[0], stepped.closed || at_apex[1]};
   const GeodesicTracer tracer = sideways_tracer(skin, options.length_mm);
   std::vector<double> moved(out.points.size(), 0.0);
   for (int round = 0; round < 2; ++round) {
-    const std::vector<double> w = solve_moves(out.points, measure(skin, out.points), moved, weight, held);
-    for (std::size_t i = 0; i < out.points.size(); ++i) {
+    const std::vector<double> w = solve_moves(out, measure(skin, out), moved, weight, at_apex);
+    for (std::size_t i = 0; i < w.size(); ++i) {
       SteppedPoint& p = out.points[i];
       if (std::abs(w[i]) < 1e-12 || !move_sideways(tracer, p, w[i])) continue;
       moved[i] += w[i];
     }
     if (at_apex[0]) renew_at_apex(skin, out.points.front(), out.points[1]);
     if (at_apex[1]) renew_at_apex(skin, out.points.back(), out.points[out.points.size() - 2]);
-    renew_directions(out.points);
+    if (out.closed) out.points.back() = out.points.front();
+    renew_directions(out.points, out.closed);
   }
   return out;
 }

@@ -16,6 +16,7 @@ class CurveBuilder {
       : skin_(tracer.skin()), front_(front), level_(level) {}
 
   void begin_strand(int source, double offset) {
+    if (source != source_ || std::abs(offset - offset_) > 1e-9) last_source_ = -1;  // also round a closed source
     source_ = source;
     offset_ = offset;
   }

@@ -276,9 +276,7 @@ void close(const Skin& skin, const StepOptions& options, std::vector<SteppedPoin
   points.back().at = start.at;
   points.back().position = start.position;
   points.back().normal_sign = start.normal_sign;
-  renew_directions(points);
-  points.front().direction = points.back().direction =
-      (points[1].position - points[points.size() - 2].position).normalized();
+  renew_directions(points, true);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ bool move_sideways(const GeodesicTracer& tracer, SteppedPoint& p, double w_mm) {
   return true;
 }
 
-void renew_directions(std::vector<SteppedPoint>& points) {
+void renew_directions(std::vector<SteppedPoint>& points, bool closed) {
   double s = points.front().s_mm;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& before = points[i > 0 ? i - 1 : 0].position;
@@ -34,6 +34,9 @@ void renew_directions(std::vector<SteppedPoint>& points) {
     if (i > 0) s += (points[i].position - before).norm();
     points[i].s_mm = s;
   }
+  if (closed)
+    points.front().direction = points.back().direction =
+        (points[1].position - points[points.size() - 2].position).normalized();
 }
 
 }  // namespace afptraj

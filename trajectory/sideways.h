@@ -15,6 +15,7 @@ GeodesicTracer sideways_tracer(const Skin& skin, double reach_mm);
 bool move_sideways(const GeodesicTracer& tracer, SteppedPoint& p, double w_mm);
 
 /// Sets direction and s_mm of every point anew, from the points beside it; s_mm goes on from the first point's.
-void renew_directions(std::vector<SteppedPoint>& points);
+/// `closed`: the last point is the first again.
+void renew_directions(std::vector<SteppedPoint>& points, bool closed);
 
 }  // namespace afptraj
