@@ -29,7 +29,7 @@ Coverage measure_coverage(const Skin& skin, const Ply& ply, const JudgeOptions& 
 /// Law (S1): every point of course +-(k + 1) has geodesic distance exactly W to courses +-k together,
 /// the stretches off the skin and the ends where fronts met included. Any other distance, however
 /// far from W, is an error. There is nothing to measure only where the foot lies past an end on the
-/// boundary (`beyond_end`).
+/// boundary, or lies on the other side than a parallel's, and farther than W (`beyond_end`).
 ///
 /// Measured are the first and last chord of every segment and others evenly spread, then those that
 /// look worst by chords alone, then all chords around the worst found. The feet are found by the

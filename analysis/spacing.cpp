@@ -65,8 +65,11 @@ class SpacingJudge {
     Measured out;
     out.where = p;
     const bool past_end = nearest.distance_mm > W_ + noticed_mm && nearest.free_end_mm < nearest.distance_mm;
-    if (past_end || nearest.distance_mm == infinity) {
-      out.outcome = nearest.unsolved && !past_end ? Outcome::unresolved : Outcome::beyond_end;
+    // A course is the parallel on one side of the level before: left of it with a positive number. An extension that has
+    // come round to the other side is nobody's parallel there, and must only not be nearer than W.
+    const bool other_side = nearest.line >= 0 && own.course * nearest.way.side < 0 && nearest.distance_mm > W_;
+    if (past_end || other_side || nearest.distance_mm == infinity) {
+      out.outcome = nearest.unsolved && !past_end && !other_side ? Outcome::unresolved : Outcome::beyond_end;
       return out;
     }
     out.outcome = Outcome::measured;

@@ -7,6 +7,7 @@
 #include "boundary/clip.h"
 #include "geometry/curvature.h"
 #include "tests/specimens.h"
+#include "tests/tow_specimens.h"
 #include "trajectory/path_fit.h"
 
 namespace afptraj {
@@ -304,6 +305,39 @@ TEST(Parallels, EndWhereACourseThatLeftTheSkinGoesOn) {
         for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()})
           if ((skin.point(node->at) - meeting).norm() < 1e-6) ++ends;
   EXPECT_EQ(ends, 2);
+}
+
+// A plate that steps down beside the start of the reference: course 1 goes on over the step, where the reference itself
+// has left the plate. What lies below is reached from there, from the other side of course 1 than its parallels lie on.
+TEST(Parallels, ReachWhatLiesBehindAnExtension) {
+  Part part = make_rectangular_part(Surface::plane({}), {-6 * W, 6 * W}, {-4 * W, 4 * W});
+  part.faces[0].loops = {polygon_loop({{0, 0},
+                                       {6 * W, 0},
+                                       {6 * W, 4 * W},
+                                       {-6 * W, 4 * W},
+                                       {-6 * W, -4 * W},
+                                       {-W, -4 * W},
+                                       {-W, 0.2 * W},
+                                       {0, 0.2 * W}},
+                                      0)};
+  const Skin skin(std::make_shared<const Part>(part), {0});
+  ParallelOptions options = options_for(skin);
+  options.geodesic.outside_limit_mm = options.geodesic.margin_mm = options.front.extension_margin_mm = 8;
+  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0, 0.1 * W), Uv(6 * W, 0.1 * W)), options);
+  expect_ends_inside_in_pairs(skin, p);
+  // Courses W apart leave no place farther than W from all of them, corners where fronts meet included.
+  double farthest = 0;
+  for (double x = -5.9 * W; x < 6 * W; x += 0.2 * W)
+    for (double y = -3.9 * W; y < 4 * W; y += 0.2 * W) {
+      if (!skin.trim(0).contains(Uv(x, y))) continue;
+      double least = 1e300;
+      for (const LevelCurve& level : p.levels)
+        for (const SurfaceCurve& curve : level.curves)
+          for (const auto& piece : curve.pieces)
+            for (const CurveNode& node : piece) least = std::min(least, (node.at.uv - Uv(x, y)).norm());
+      farthest = std::max(farthest, least);
+    }
+  EXPECT_LE(farthest, W);
 }
 
 /// 0.4 x 0.6 m, flat but for a lip of 0.01 mm that stands up on the edge v = 0: there the parametrisation is a hundred

@@ -49,6 +49,48 @@ LaidCurves curves_of(const GeodesicTracer& tracer, const Front& front, int level
   return out;
 }
 
+/// Whether the front at W on the other side of an extension would stand on skin that no curve is near, for W
+/// or more.
+bool leaves_skin_behind(const GeodesicTracer& tracer, const Front& front, const Strand& extension,
+                        const LaidCurves& laid) {
+  const FrontOptions& options = front.options();
+  double clear_from = 0;
+  bool clear = false;
+  for (const Ray& ray : extension.rays) {
+    const PathFrame at = frame_of(tracer.skin(), ray.state);
+    GeodesicState g = tracer.start(ray.state.at, -at.tangent, ray.state.normal_sign, 1, 0, ray.state.outside);
+    const bool bare =
+        !ray.state.outside && tracer.advance(g, options.spacing_mm) == TraceEnd::reached && !g.outside &&
+        g.y > 0 && [&] {
+          const PathFrame there = frame_of(tracer.skin(), g);
+          return !laid.rival(front.probe_tracer(), there.position, there.normal,
+                             options.spacing_mm - options.validity_tolerance_mm, extension.parent,
+                             ray.t + extension.parent_offset, 1.5 * options.sample_mm);
+        }();
+    if (bare && !clear) clear_from = ray.t;
+    clear = bare;
+    if (clear && ray.t - clear_from > options.spacing_mm) return true;
+  }
+  return false;
+}
+
+/// An extension sweeps its own side only: the other one belongs to the level before, which went on along it.
+/// Where that has left the skin, the extension sweeps both.
+void sweep_behind_extensions(const GeodesicTracer& tracer, const Front& from, Front& to, int level,
+                             const LaidCurves& laid) {
+  for (const Strand& extension : from.strands()) {
+    if (extension.fresh_end < 0 || !leaves_skin_behind(tracer, from, extension, laid)) continue;
+    Strand behind;
+    behind.source = to.add_source(from.source(extension.source).curve, level);
+    for (const Ray& ray : extension.rays)
+      behind.rays.push_back(to.shoot(behind.source, ray.t, level, nullptr));
+    to.refine(behind, level);
+    behind.parent = extension.parent;
+    behind.parent_offset = extension.parent_offset;
+    to.add_strand(std::move(behind));
+  }
+}
+
 }  // namespace
 
 Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve> reference,
@@ -100,6 +142,8 @@ Parallels geodesic_parallels(const Skin& skin, std::shared_ptr<const SourceCurve
     // Both sides are laid only now: neither may find its own level among the lower ones.
     lay(tracer, left, level, laid, left_levels);
     lay(tracer, right, level, laid, right_levels);
+    sweep_behind_extensions(tracer, right, left, level, laid);
+    sweep_behind_extensions(tracer, left, right, level, laid);
   }
   std::reverse(right_levels.begin(), right_levels.end());
   out.levels = std::move(right_levels);

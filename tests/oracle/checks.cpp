@@ -250,6 +250,7 @@ DistanceResult geodesic_distance(const Skin& skin, const Segment& segment, const
     result.left_skin = shot.left_skin;
     result.distance = d;
     result.s = s;
+    result.side = side;
     // At the foot the length is stationary: 1e-6 mm beside it changes it by 1e-15 mm, while what coordinates
     // rounded to 1e-9 mm leave of the direction moves the end of the shot by more than 1e-9 mm.
     if (std::abs(along) < 1e-9 && (std::abs(across) < 1e-6 || clamped > 2)) {
@@ -296,11 +297,15 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
   double sum = 0;
   for (const auto& [number, segments] : courses) {
     if (number == 0) continue;
-    const int parent = number > 0 ? number - 1 : number + 1;
-    const auto found = courses.find(parent);
-    if (found == courses.end()) continue;
+    // The level before, of either side: an extension of one side can have fronts to both.
+    const int before = std::abs(number) - 1;
+    std::vector<int> parents;
+    for (const int parent : {before, -before})
+      if (const auto found = courses.find(parent); found != courses.end() && (parent != 0 || parents.empty()))
+        parents.insert(parents.end(), found->second.begin(), found->second.end());
+    if (parents.empty()) continue;
     ++check.courses;
-    const ChordIndex index(ply, std::max(band_mm, 1e-3), found->second);
+    const ChordIndex index(ply, std::max(band_mm, 1e-3), parents);
     for (const int si : segments) {
       const Segment& segment = ply.segments[static_cast<std::size_t>(si)];
       for (std::size_t i = 0; i + 1 < segment.samples.size(); ++i) {
@@ -330,6 +335,12 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         }
         if (best.kind != DistanceResult::Kind::found) {
           ++((open || !faced) && !beyond ? check.unresolved : check.beyond_end);
+          continue;
+        }
+        // A course lies to the left of the one before it if its number is positive, else to the right. What lies on the other
+        // side (an extension that came round the part) is no parallel of it; it must only not be too near.
+        if (best.side * number < 0 && best.distance > band_mm) {
+          ++check.beyond_end;
           continue;
         }
         // Nearer than the foot, but not nearer than W, lies an end, or what goes on beyond it off the skin:

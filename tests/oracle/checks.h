@@ -76,6 +76,7 @@ CoverageCheck check_coverage(const Skin& skin, const PlyPaths& ply, double band_
 struct DistanceResult {
   enum class Kind { found, beyond_end, unresolved } kind = Kind::unresolved;
   double distance = 0, s = 0;
+  double side = 0;  // 1: to the left of the segment
   bool left_skin = false;
 };
 /// `d0` > 0 and `side` (1 left, -1 right) replace the chord as the first guess.
