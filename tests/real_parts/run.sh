@@ -124,7 +124,12 @@ part dome              brl_rhino_primitives_m.stp 7 8 100 "" 40 "--direction 1,0
 part cylinder          brl_rhino_primitives_m.stp 8 8 100 "" 40 "--axis 50000,0,0,0,0,1 --angle 45 --count 80" "--range 6000 --step 20"
 part head_pole         cax_s1_head_rational_pole.stp 1,4 4 3.175 "" 2 "--direction 0,1,0.2 --count 60" "--range 40"
 part fish              openvsp_fish_m.stp 1-8 8 3.175 "" 4 "--direction 1,0,0 --count 80" "--range 200"
-part engine            volmdlr_aircraft_engine.step 11,20-31,34,35,38 8 12.7 "" 4 "--direction 0,0,1 --count 200" "--range 900"
+part nacelle_45        tigl_nacelle.stp 3,4 8 12.7 "" 4 "--direction 1,0,0 --angle 45 --count 80" "--range 500"
+part nacelle_hoops     tigl_nacelle.stp 3,4 8 12.7 "" 4 "--axis 0,0,0,1,0,0 --angle 90 --count 80" "--range 500"
+# Of the engine's 16 smooth groups the nozzle's: its faces meet. Those of the outer skin (11,20-31,34,35,38) lie up to
+# 1.57 mm apart along their edges, so that no spacing across them is defined to 1e-3 mm.
+part engine            volmdlr_aircraft_engine.step 52,53 8 12.7 "" 4 "--axis 5717,1544,0,0,0,1 --angle 20 --count 100" "--range 900"
+part engine_hoops      volmdlr_aircraft_engine.step 52,53 8 12.7 "" 4 "--axis 5717,1544,0,0,0,1 --angle 90 --count 100" "--range 900"
 part box_wing          aeroshape_box_wing.step 1 8 25.4 m 20 "--direction 0.15,1,0 --count 150" "--range 2500 --step 5"
 
 echo
