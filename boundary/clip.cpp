@@ -10,8 +10,9 @@ namespace {
 
 using Piece = std::vector<CurveNode>;
 
-constexpr double on_edge_mm = 1e-6;    // how well samples at edges stand on them (design: ends within 1e-6 mm)
-constexpr double least_gap_mm = 1e-4;  // wider gaps between faces that share an edge get a sample on either side
+constexpr double on_edge_mm = 1e-6;  // how well samples at edges stand on them (design: ends within 1e-6 mm)
+constexpr double least_gap_mm =
+    1e-4;  // wider gaps between faces that share an edge get a sample on either side
 
 CurveNode node_at(const Piece& piece, std::size_t i, double x, const Uv& uv) {
   const CurveNode& a = piece[i];
@@ -52,7 +53,8 @@ class Clipper {
         const CurveNode node = node_at(piece, i, hit.x, hit.uv);
         if (is_way_out(hits[next])) {
           // Out over a shared edge is no end: the next piece goes on there.
-          if (!keep_ || !ends_in_gap || next + 1 < hits.size() || distance(node, piece.back()) < on_edge_mm) continue;
+          if (!keep_ || !ends_in_gap || next + 1 < hits.size() || distance(node, piece.back()) < on_edge_mm)
+            continue;
           push(node);
           inside_ = true;
           return;
@@ -92,18 +94,23 @@ class Clipper {
     return out;
   }
   static bool is_way_out(const Hit& hit) { return hit.shared && hit.crossing.outward; }
-  double distance(const CurveNode& a, const CurveNode& b) const { return (skin_.point(a.at) - skin_.point(b.at)).norm(); }
+  double distance(const CurveNode& a, const CurveNode& b) const {
+    return (skin_.point(a.at) - skin_.point(b.at)).norm();
+  }
   /// A piece that goes on over a gap between faces may begin before the loop of its face: where it enters.
   const Hit* begins_in_gap(const Piece& piece, const std::vector<Hit>& hits) const {
     if (hits.empty() || hits.front().crossing.outward || !hits.front().shared) return nullptr;
     const Hit& hit = hits.front();
-    const bool off = distance(piece.front(), node_at(piece, hit.span, hit.crossing.x, hit.crossing.uv)) > on_edge_mm;
+    const bool off =
+        distance(piece.front(), node_at(piece, hit.span, hit.crossing.x, hit.crossing.uv)) > on_edge_mm;
     return off ? &hit : nullptr;
   }
   /// A piece that goes on from one that ended inside stands on the shared edge, to the solver's accuracy
   /// on either side of it: what lies just beyond decides.
   bool starts_inside(const TrimRegion& trim, const Piece& piece, bool goes_on) const {
     const UvCubic first = cubic(piece, 0);
+    if (goes_on && trim.contains(piece.front().at.uv) && off_loops(trim, piece.front()) > on_edge_mm)
+      return true;
     const double length = arc_length(skin_, piece, 0, 0, 1);
     const double skip = goes_on && length > 0 ? std::min(0.5, 1e-3 / length) : 1e-7;
     double x = 1;
@@ -113,6 +120,10 @@ class Clipper {
         break;
       }
     return trim.contains(first.point(0.5 * (skip + x)));
+  }
+  double off_loops(const TrimRegion& trim, const CurveNode& node) const {
+    const Eigen::Matrix2d metric = first_form(skin_.derivatives(node.at)).matrix();
+    return (skin_.point({node.at.face, trim.nearest(node.at.uv, metric).uv}) - skin_.point(node.at)).norm();
   }
   void push(const CurveNode& node) {
     if (!current_.back().empty() && node.t - current_.back().back().t < 1e-9) return;
@@ -198,7 +209,8 @@ CourseSegment sample_segment(const Skin& skin, const SurfaceCurve& curve, const 
       sample.kn_per_mm = normal_curvature(d, sample.normal, sample.tangent);
       sample.kg_per_mm = node.kg_per_mm;
       const AskedDirection asked = field.at(sample.position, sample.normal, sample.tangent);
-      sample.deviation_rad = asked.singular ? 0 : axis_deviation(asked.direction, sample.tangent, sample.normal);
+      sample.deviation_rad =
+          asked.singular ? 0 : axis_deviation(asked.direction, sample.tangent, sample.normal);
       out.samples.push_back(sample);
     }
   return out;
@@ -225,7 +237,8 @@ Uv entry(const Skin& skin, const CourseSample& before, const CourseSample& sampl
     const EdgeUse use{before.at.face, edge.loop, edge.coedge};
     const double off = (skin.point({before.at.face, edge.uv}) - before.position).norm();
     const auto mate = skin.mate(use);
-    if (off < on_edge_mm && mate && mate->face == sample.at.face) return skin.across(use, edge.t, before.position).uv;
+    if (off < on_edge_mm && mate && mate->face == sample.at.face)
+      return skin.across(use, edge.t, before.position).uv;
   }
   const auto foot = foot_point(surface, before.position, seed);  // a seam, a corner or a pole
   return foot ? *foot : seed;
@@ -250,7 +263,8 @@ SurfaceCurve curve_of(const Skin& skin, const CourseSegment& segment) {
   for (std::size_t i = 0; i < segment.samples.size(); ++i) {
     const CourseSample& sample = segment.samples[i];
     if (out.pieces.empty()) {
-      const Uv ahead = segment.samples.size() > 1 ? Uv(segment.samples[1].at.uv - sample.at.uv) : Uv(Uv::Zero());
+      const Uv ahead =
+          segment.samples.size() > 1 ? Uv(segment.samples[1].at.uv - sample.at.uv) : Uv(Uv::Zero());
       out.pieces.emplace_back();
       out.pieces.back().push_back(node_of(sample, sample.at, ahead));
       continue;

@@ -126,6 +126,20 @@ TEST(Clip, CutsALineAtTheRectangleAndTheHole) {
   expect_ends(slant[1], hole_centre + hole_radius * along, hole_centre + along * (270 / 0.8));
 }
 
+// A piece that begins just inside the boundary is cut there, not where it begins: pieces join where rays died near it.
+TEST(Clip, CutsAPieceThatBeginsJustInside) {
+  const Skin skin = plate_with_hole();
+  for (const double inside : {1e-3, 5.3e-5, 2e-6}) {
+    SurfaceCurve line = straight(Uv(800, 300), Uv(width - inside, 300));
+    SurfaceCurve on = straight(Uv(width - inside, 300), Uv(width + 50, 300));
+    for (CurveNode& node : on.pieces[0]) node.t += line.last();
+    line.pieces.push_back(on.pieces[0]);
+    const auto clipped = clip_to_skin(skin, line);
+    ASSERT_EQ(clipped.size(), 1u) << inside;
+    expect_ends(clipped[0], Uv(800, 300), Uv(width, 300));
+  }
+}
+
 // A hole so small that it lies between two nodes, and within one cubic.
 TEST(Clip, SeesAHoleBetweenTwoNodes) {
   Part part = make_rectangular_part(Surface::plane({}), {0, width}, {0, height});

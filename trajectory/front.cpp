@@ -330,7 +330,10 @@ bool Front::too_near(const PathFrame& at, const LaidCurves& laid) const {
 
 namespace {
 
+constexpr double least_part_mm = 1e-8;  // ends stand on the boundary within 1e-6 mm
+
 /// Whether a state of `states`, up to arc length `until_mm`, lies beside `at` within `near_mm`.
+
 bool passes(const Skin& skin, const std::vector<GeodesicState>& states, double until_mm, const PathFrame& at,
             double near_mm) {
   for (const GeodesicState& old : states) {
@@ -407,8 +410,12 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
   const double step = std::min(options_.extension_step_mm, options_.sample_mm);
   int too_near_steps = 0;
   std::size_t clear = 1;  // states that do not run ahead of another curve of this level
+  bool ran_out = false;
   while (g.s_mm < options_.max_extension_mm) {
-    if (extension_tracer_.advance(g, step) != TraceEnd::reached) break;
+    if (extension_tracer_.advance(g, step) != TraceEnd::reached) {
+      ran_out = true;
+      break;
+    }
     const PathFrame at = frame_of(skin(), g);
     // A few steps into what has been swept, so that the crossing with the front that swept it is seen.
     too_near_steps = level > 0 && too_near(at, laid) ? too_near_steps + 1 : 0;
@@ -433,9 +440,9 @@ std::vector<GeodesicState> Front::extension(const Ray& end, bool backward, int l
     }
     if (g.outside && !g.in_hole && g.outside_mm > 2 * step && skin().faces().size() > 1) break;
   }
-  // Shorter than a step: the end stands at the boundary to within that step.
-  for (double part = 0.5 * step; part > 1e-6 && states.size() < 2 && !*stopped; part *= 0.5) {
-    GeodesicState h = states.front();
+  // The surface may end with its boundary: the rest of the last step, by halves.
+  for (double part = 0.5 * step; part > least_part_mm && ran_out; part *= 0.5) {
+    GeodesicState h = states.back();
     if (extension_tracer_.advance(h, part) == TraceEnd::reached) states.push_back(h);
   }
   return states;
