@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <unordered_map>
 
@@ -12,6 +13,7 @@ namespace afptraj {
 namespace {
 
 constexpr double solved_mm = 1e-9;    // along the skin
+constexpr double floor_mm = 1e-6;     // rays metres long, on parts of tens of metres, repeat no better than some 1e-7
 constexpr double accepted_mm = 1e-4;  // off it: faces that join within the tolerance of the import
 
 struct Chord {
@@ -105,6 +107,7 @@ class CrossingSolver {
     double t[2] = {ta, tb};
     const double longest = 4 * front(a).options().sample_mm;
     FrontCrossing out;
+    double last = std::numeric_limits<double>::infinity();
     for (int iteration = 0; iteration < 30; ++iteration) {
       PathFrame frame[2];
       Vec3 along[2];
@@ -122,7 +125,9 @@ class CrossingSolver {
       const Vec3 miss = frame[1].position - frame[0].position;
       const Vec3 e1 = frame[0].tangent, e2 = frame[0].left();
       const Eigen::Vector2d r(miss.dot(e1), miss.dot(e2));
-      if (r.norm() < solved_mm) {
+      const bool stands = r.norm() < floor_mm && r.norm() > 0.25 * last;
+      last = r.norm();
+      if (r.norm() < solved_mm || stands) {
         out.miss_mm = miss.norm();
         if (out.miss_mm > accepted_mm) return std::nullopt;
         out.place[0] = a;

@@ -121,6 +121,7 @@ part wing_foot         caddee_simple_wing_foot.stp 3,4 8 6.35 "" 4 "--direction 
 part bend_and_hole     ncc_compost_x_test_141.stp 1,2,3 4 3.175 "" 2 "--direction 1,0,0 --angle 45 --count 60" "--range 60"
 part cone              brl_rhino_primitives_m.stp 6 8 100 "" 40 "--direction 1,0,0 --count 80 --start 0,44000,5000" "--range 6000 --step 20"
 part dome              brl_rhino_primitives_m.stp 7 8 100 "" 40 "--direction 1,0.3,0 --count 80 --start 52000,49000,-9700" "--range 6000 --step 20"
+part dome_hoops        brl_rhino_primitives_m.stp 7 8 100 "" 40 "--direction 0,0,1 --count 80" "--range 6000 --step 20"
 part cylinder          brl_rhino_primitives_m.stp 8 8 100 "" 40 "--axis 50000,0,0,0,0,1 --angle 45 --count 80" "--range 6000 --step 20"
 part cylinder_axial    brl_rhino_primitives_m.stp 8 8 100 "" 40 "--axis 50000,0,0,0,0,1 --angle 0 --count 80" "--range 6000 --step 20"
 part head_pole         cax_s1_head_rational_pole.stp 1,4 4 3.175 "" 2 "--direction 0,1,0.2 --count 60" "--range 40"
