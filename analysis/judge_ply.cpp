@@ -1,6 +1,7 @@
 #include "analysis/judge_ply.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include "analysis/geodesic_way.h"
@@ -24,12 +25,27 @@ struct Judged {
   ChordIndex index;
 };
 
-std::vector<LooseEnd> loose_ends(const std::vector<CourseLine>& lines, const LineEnds& ends) {
-  std::vector<LooseEnd> out;
+/// Whether the reference has come alongside itself at this end: a spiral has nowhere to go on to.
+bool beside_itself(const std::vector<CourseLine>& lines, std::size_t own, bool last, double band_width_mm) {
+  const CourseLine& line = lines[own];
+  if (line.course != 0) return false;
+  const Vec3& p = last ? line.points.back() : line.points.front();
+  const double t = last ? line.t.back() : line.t.front();
   for (std::size_t l = 0; l < lines.size(); ++l) {
-    if (ends[l][0] == LineEnd::loose) out.push_back({lines[l].course, lines[l].points.front()});
-    if (ends[l][1] == LineEnd::loose) out.push_back({lines[l].course, lines[l].points.back()});
+    if (lines[l].course != 0 || lines[l].off_skin) continue;
+    for (std::size_t i = 0; i < lines[l].points.size(); ++i)
+      if ((lines[l].points[i] - p).norm() < band_width_mm && (l != own || std::abs(lines[l].t[i] - t) > 3 * band_width_mm))
+        return true;
   }
+  return false;
+}
+
+std::vector<LooseEnd> loose_ends(const std::vector<CourseLine>& lines, const LineEnds& ends, double band_width_mm) {
+  std::vector<LooseEnd> out;
+  for (std::size_t l = 0; l < lines.size(); ++l)
+    for (const bool last : {false, true})
+      if (ends[l][last ? 1 : 0] == LineEnd::loose && !beside_itself(lines, l, last, band_width_mm))
+        out.push_back({lines[l].course, last ? lines[l].points.back() : lines[l].points.front()});
   return out;
 }
 
@@ -93,7 +109,7 @@ std::vector<CourseCrossing> find_crossings(const Skin& skin, const Ply& ply, con
 
 std::vector<LooseEnd> find_loose_ends(const Skin& skin, const Ply& ply, const JudgeOptions& options) {
   const Judged judged(skin, ply, options);
-  return loose_ends(judged.lines, line_ends(judged.tracer, judged.lines));
+  return loose_ends(judged.lines, line_ends(judged.tracer, judged.lines), options.band_width_mm);
 }
 
 void judge_ply(const Skin& skin, const JudgeOptions& options, Ply& ply) {
@@ -115,7 +131,7 @@ void judge_ply(const Skin& skin, const JudgeOptions& options, Ply& ply) {
   report.spacing_error_mm = report.spacing.worst_mm;
   stage("spacing");
   report.crossings = find_crossings(judged.lines, judged.index, options.band_width_mm);
-  report.loose_ends = loose_ends(judged.lines, ends);
+  report.loose_ends = loose_ends(judged.lines, ends, options.band_width_mm);
   tell(report);
   stage("crossings and ends");
 }

@@ -234,6 +234,17 @@ TEST(JudgePly, AnEndInsideTheSkinIsFound) {
   }
 }
 
+// A spiral reference ends beside its own last turn, inside the skin; one that turns wider than W ends loose.
+TEST(JudgePly, ASpiralMayEndBesideItself) {
+  const Skin skin = plate(2000, 40 * W);
+  for (const double pitch : {0.9 * W, 1.1 * W}) {
+    Ply ply = rows(skin, 1000, 0, [](int) { return 0.0; });
+    const auto spiral = [&](double a) { return Uv((2 * W + pitch * a / (2 * pi)) * Uv(std::cos(a), std::sin(a))); };
+    ply.courses[0].segments = {segment(skin, spiral, 0, 4 * pi, 400)};
+    EXPECT_EQ(find_loose_ends(skin, ply, options()).size(), pitch < W ? 0u : 2u) << pitch;
+  }
+}
+
 // Hoops W apart on a cylinder of ten bands: all of it is covered.
 TEST(JudgePly, ACylinderFullyCovered) {
   const Skin skin = make_skin(Surface::cylinder({}, 350), {0, 2 * pi}, {0, 10 * W});
