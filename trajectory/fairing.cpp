@@ -13,6 +13,9 @@
 namespace afptraj {
 namespace {
 
+constexpr double most_change = 0.3;  // of a path's direction and length in one round of moves
+constexpr int most_rounds = 200;
+
 /// residual = offset + sum of coefficient_k * w_k.
 template <int N>
 class LinearResidual : public ceres::CostFunction {
@@ -120,6 +123,19 @@ std::vector<double> solve_moves(const SteppedPath& path, const std::vector<Bend>
   return w;
 }
 
+/// The share of the moves that the linear model holds for: a move turns the path by w' and takes the part w kappa of
+/// its length.
+double share_that_holds(const SteppedPath& path, const std::vector<Bend>& bends, const std::vector<double>& w) {
+  const Neighbours beside(path);
+  double most = 0;
+  for (std::size_t i = 0; i < w.size(); ++i) {
+    most = std::max(most, std::abs(w[i] * bends[i].kappa));
+    if (beside.has(i, 1))
+      most = std::max(most, std::abs(w[beside.at(i, 1)] - w[i]) / std::max(beside.chord(i).norm(), 1e-9));
+  }
+  return std::min(1.0, most_change / most);
+}
+
 /// Turns an end at an apex to the side of its neighbour: the path arrives along a meridian.
 void renew_at_apex(const Skin& skin, SteppedPoint& end, const SteppedPoint& neighbour) {
   for (const Pole& pole : poles_of(skin))
@@ -136,8 +152,15 @@ SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const Fairin
   const bool at_apex[2] = {stepped.end[0] == WalkEnd::pole, stepped.end[1] == WalkEnd::pole};
   const GeodesicTracer tracer = sideways_tracer(skin, options.length_mm);
   std::vector<double> moved(out.points.size(), 0.0);
-  for (int round = 0; round < 2; ++round) {
-    const std::vector<double> w = solve_moves(out, measure(skin, out), moved, weight, at_apex);
+  int whole_rounds = 0;
+  for (int round = 0; whole_rounds < 2 && round < most_rounds; ++round) {
+    const std::vector<Bend> bends = measure(skin, out);
+    std::vector<double> w = solve_moves(out, bends, moved, weight, at_apex);
+    const double share = share_that_holds(out, bends, w);
+    if (share < 1)
+      for (double& move : w) move *= share;
+    else
+      ++whole_rounds;
     for (std::size_t i = 0; i < w.size(); ++i) {
       SteppedPoint& p = out.points[i];
       if (std::abs(w[i]) < 1e-12 || !move_sideways(tracer, p, w[i])) continue;

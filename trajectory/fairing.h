@@ -15,7 +15,8 @@ struct FairingOptions {
 
 /// Fairs a stepped path on the skin: moves each point sideways, along b, so that the geodesic
 /// curvature changes slowly. Least squares (Ceres): a move w changes kappa_g by w'' + K w (first
-/// variation), which is linear in w; two rounds. An arc of constant kappa_g is left where it is.
+/// variation), which is linear in w while it turns the path and changes its length by little: in as many rounds as
+/// that takes, and two with whole moves. An arc of constant kappa_g is left where it is.
 /// Works over edges, seams and poles, because a move is a geodesic, and round the joint of a closed path. Ends at
 /// an apex stay.
 SteppedPath fair_path(const Skin& skin, const SteppedPath& stepped, const FairingOptions& options);
