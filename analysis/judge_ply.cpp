@@ -5,6 +5,7 @@
 
 #include "analysis/geodesic_way.h"
 #include "analysis/judge_lines.h"
+#include "analysis/tow_coverage.h"
 
 namespace afptraj {
 namespace {
@@ -74,6 +75,15 @@ void tell(PlyReport& report) {
                               at(report.spacing.first_unresolved));
 }
 
+void tell_coverage(PlyReport& report) {
+  const TowCoverage& c = report.tow_coverage;
+  if (c.holds()) return;
+  report.warnings.push_back("gaps and overlaps do not add up: the polygons miss " + number(c.skin_residual_mm2) +
+                            " mm2 of the skin and " + number(c.laid_residual_mm2) + " mm2 of the tows (bounds " +
+                            number(c.error_mm2) + " and " + number(c.error_mm2 + c.laid_error_mm2) +
+                            "); tows fold there, or faces lie between the edges of one tow");
+}
+
 }  // namespace
 
 Coverage measure_coverage(const Skin& skin, const Ply& ply, const JudgeOptions& options) {
@@ -118,6 +128,10 @@ void judge_ply(const Skin& skin, const JudgeOptions& options, Ply& ply) {
   report.loose_ends = loose_ends(judged.lines, ends);
   tell(report);
   stage("crossings and ends");
+  if (!options.tow_coverage) return;
+  report.tow_coverage = measure_tow_coverage(skin, ply);
+  tell_coverage(report);
+  stage("tow coverage");
 }
 
 }  // namespace afptraj

@@ -66,17 +66,6 @@ class ArcLength {
   double length_ = 0;
 };
 
-/// Where a line is on the skin. A closed line is cut where it begins.
-Stretches on_skin(const Skin& skin, const TowLine& line) {
-  Stretches out;
-  for (SurfaceCurve run : line.runs) {
-    run.closed = false;
-    for (const SurfaceCurve& stretch : clip_to_skin(skin, run, least_on_skin_mm))
-      out.push_back({stretch.first(), stretch.last()});
-  }
-  return out;
-}
-
 Stretches runs_of(const TowLine& line) {
   Stretches out;
   for (const SurfaceCurve& run : line.runs) out.push_back({run.first(), run.last()});
@@ -233,6 +222,16 @@ LaidTows lay_tows(const Skin& skin, const std::vector<LevelCurve>& levels, const
   out.report.bridged = bridged;
   out.report.extended = extended;
   out.report.dropped = dropped;
+  return out;
+}
+
+Stretches on_skin(const Skin& skin, const TowLine& line) {
+  Stretches out;
+  for (SurfaceCurve run : line.runs) {
+    run.closed = false;
+    for (const SurfaceCurve& stretch : clip_to_skin(skin, run, least_on_skin_mm))
+      out.push_back({stretch.first(), stretch.last()});
+  }
   return out;
 }
 

@@ -24,6 +24,9 @@ struct LaidTows {
 LaidTows lay_tows(const Skin& skin, const std::vector<LevelCurve>& levels, const TowLineOptions& options,
                   const CutRule& rule);
 
+/// Where a line is on the skin. A closed line is cut where it begins.
+Stretches on_skin(const Skin& skin, const TowLine& line);
+
 /// The frame of a line at t; nothing where it has no run.
 std::optional<CurveFrame> frame_on(const Skin& skin, const TowLine& line, double t);
 

@@ -187,6 +187,10 @@ void keep_near_skin(const Skin& skin, double reach_mm, std::vector<Course>& cour
 
 }  // namespace
 
+bool TowCoverage::holds() const {
+  return std::abs(skin_residual_mm2) <= error_mm2 && std::abs(laid_residual_mm2) <= error_mm2 + laid_error_mm2;
+}
+
 double Course::length_mm() const {
   double sum = 0;
   for (const CourseSegment& segment : segments) sum += segment.length_mm();
