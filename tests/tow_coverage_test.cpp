@@ -181,18 +181,22 @@ TEST(TowCoverage, OfAFlatRectangle) {
   EXPECT_NEAR(c.gap_mm2, 300 * (200 - 31 * d), 1e-3);
 }
 
-// Laid through, a hole lies off the skin; the circle's chords hold it to a fifth of 5e-4 mm.
+// Laid through, a hole lies off the skin, whether it is wider than a band or within one; the circle's chords
+// hold it to a fifth of 5e-4 mm.
 TEST(TowCoverage, OfAHole) {
-  const double r = 33;
-  const Skin skin = plate(600, 5 * 50.8, {circle_loop({300, 140}, r, true, 0)});
   const auto levels = straight_courses({300, 2.5 * 50.8}, 0, 700, 50.8, 2);
   CutRule through = bare_rule(1);
   through.min_gap_mm = 100;
-  const TowCoverage c = cover(skin, levels, 8, d, through);
-  EXPECT_NEAR(c.skin_mm2, 600 * 5 * 50.8 - pi * r * r, 2 * pi * r * 1e-4);
-  EXPECT_NEAR(c.covered_mm2, c.skin_mm2, 1e-3);
-  EXPECT_NEAR(c.off_skin_mm2, pi * r * r, 0.03);
-  EXPECT_TRUE(c.spots.empty());
+  for (const double radius : {33.0, 12.0}) {
+    const Skin plain = plate(600, 5 * 50.8, {circle_loop({300, 127}, radius, true, 0)});
+    const TowCoverage c = cover(plain, levels, 8, d, through);
+    EXPECT_NEAR(c.skin_mm2, 600 * 5 * 50.8 - pi * radius * radius, 2 * pi * radius * 1e-4);
+    EXPECT_NEAR(c.covered_mm2, c.skin_mm2, 1e-3);
+    EXPECT_NEAR(c.off_skin_mm2, pi * radius * radius, 0.03);
+    EXPECT_TRUE(c.spots.empty());
+  }
+  const double r = 33;
+  const Skin skin = plate(600, 5 * 50.8, {circle_loop({300, 140}, r, true, 0)});
   // Cut where the middle leaves: the tow between y and y + d loses a rectangle of the chord at its middle.
   const TowCoverage cut = cover(skin, levels, 8, d, bare_rule(0.5));
   double off = 0, gap = 0;
@@ -374,6 +378,19 @@ TEST(TowCoverage, OfShiftedCoursesOfLinearlyVaryingAngle) {
       EXPECT_NEAR(got.overlap_mm2 / got.skin_mm2, gaps ? 0 : c.overlap, slack) << c.t0 << " " << gaps;
       EXPECT_LT(got.error_mm2, 2e-3 * got.skin_mm2);
     }
+}
+
+// On the other side of the face left is right in (u, v).
+TEST(TowCoverage, OfAReversedFace) {
+  Part part = make_rectangular_part(Surface::plane({}), {0, 300}, {0, 200});
+  part.faces[0].reversed = true;
+  const Skin skin(std::make_shared<const Part>(part), {0});
+  const auto levels = straight_courses({131, 77}, 0.5, 500, 8 * d, 5);
+  const TowCoverage back = cover(skin, levels, 8, d, bare_rule(0.5));
+  const TowCoverage front = cover(plate(300, 200), levels, 8, d, bare_rule(0.5));
+  EXPECT_NEAR(back.covered_mm2, front.covered_mm2, 1e-3);
+  EXPECT_NEAR(back.off_skin_mm2, front.off_skin_mm2, 1e-3);
+  EXPECT_EQ(back.spots.size(), front.spots.size());
 }
 
 // Over the edge of two faces the laws hold as on one, and nothing is counted twice.
