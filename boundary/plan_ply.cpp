@@ -116,7 +116,7 @@ void add_tows(const Skin& skin, const Parallels& parallels, const PlanOptions& o
   lines.coverage_rule = options.cut.coverage_rule;
   lines.station_mm = std::min(16.0, options.band_width_mm());
   lines.beyond_mm = options.cut.short_tows == ShortTows::drop ? 0 : options.cut.min_cut_length_mm;
-  LaidTows tows = lay_tows(skin, parallels.levels, lines, options.cut);
+  LaidTows tows = lay_tows(skin, parallels.levels, lines, options.cut, options.keep_tow_lines);
   ply.bands = std::move(tows.bands);
   ply.tows = std::move(tows.pieces);
   ply.report.tows = tows.report;

@@ -181,7 +181,7 @@ struct Ply {
   /// Centre lines off the skin (beyond its boundary, over holes) near enough that their bands may
   /// reach onto it, by the same numbers. They are no paths to lay as they stand; tows are cut from them.
   std::vector<Course> off_skin;
-  /// Empty when tows were not asked for.
+  /// Empty when tows were not asked for, or their lines not kept.
   std::vector<TowBand> bands;
   std::vector<TowPiece> tows;  ///< by course, tow, segment
   PlyReport report;

@@ -60,7 +60,9 @@ class FirstFailure {
 
 Ply plan_and_judge(const Skin& skin, const PlyOrientation& orientation, const Job& job, bool tow_coverage,
                    const Progress& progress) {
-  Ply ply = plan_ply(skin, orientation, plan_options(job), progress);
+  PlanOptions options = plan_options(job);
+  options.keep_tow_lines = tow_coverage;
+  Ply ply = plan_ply(skin, orientation, options, progress);
   JudgeOptions judge;
   judge.band_width_mm = job.plan.band_width_mm();
   judge.tow_coverage = tow_coverage;

@@ -156,7 +156,7 @@ int run(const Arguments& arguments) {
   OutputDirectory output(target, arguments.force, inputs);
   auto csv = std::async(std::launch::async, [&] { 
     output.write("paths.csv", paths_csv(plies));
-    output.write("tows.csv", tows_csv(plies));
+    output.write("tows.csv", [&](const TextSink& sink) { tows_csv(plies, sink); });
     if (arguments.coverage) output.write("coverage.csv", coverage_csv(plies));
   });
   write_paths_step(output, wires);
