@@ -18,6 +18,7 @@ using Nodes = std::vector<CurveNode>;
 struct LinePiece {
   std::size_t line;
   const Nodes* nodes;
+  bool comes, goes;  // from another chart, on to another one
   double first() const { return nodes->front().t; }
   double last() const { return nodes->back().t; }
   int face() const { return nodes->front().at.face; }
@@ -32,13 +33,16 @@ Uv point_at(const Nodes& nodes, double t) {
   return cubic(nodes, i).point((t - nodes[i].t) / (nodes[i + 1].t - nodes[i].t));
 }
 
-constexpr double straight_on = 8;  // times the tow's width
+// Times the tow's width:
+constexpr double straight_on = 8;
+constexpr double tip = 8;
 
 /// One visit of a band to a face: pieces of neighbouring lines side by side in one chart.
 struct Visit {
   std::vector<std::vector<const LinePiece*>> lines;  // by edge, in order of t
   Interval range{1e300, -1e300};
   int face = -1, normal_sign = 1;
+  bool at_pole = false;  // the face has a side that is a point
 };
 
 struct Sample {
@@ -68,7 +72,8 @@ class BandStrips {
     for (std::size_t e = 0; e < band_.edges.size(); ++e)
       for (const SurfaceCurve& run : band_.edges[e].runs)
         for (const Nodes& nodes : run.pieces)
-          if (nodes.size() > 1) pieces.push_back({e, &nodes});
+          if (nodes.size() > 1)
+            pieces.push_back({e, &nodes, &nodes != &run.pieces.front(), &nodes != &run.pieces.back()});
     for (const Visit& visit : visits(pieces)) add(visit, out);
     return out;
   }
@@ -104,6 +109,7 @@ class BandStrips {
       visit.lines[pieces[i].line].push_back(&pieces[i]);
       visit.range = {std::min(visit.range.lo, pieces[i].first()), std::max(visit.range.hi, pieces[i].last())};
       visit.face = pieces[i].face();
+      visit.at_pole = has_pole(visit.face);
       visit.normal_sign = pieces[i].nodes->front().normal_sign;
     }
     for (Visit& visit : out)
@@ -111,6 +117,14 @@ class BandStrips {
         std::sort(line.begin(), line.end(),
                   [](const auto* a, const auto* b) { return a->first() < b->first(); });
     return out;
+  }
+
+  bool has_pole(int face) const {
+    const std::vector<Loop>& loops = skin_.face(face).loops;
+    for (int l = 0; l < static_cast<int>(loops.size()); ++l)
+      for (int c = 0; c < static_cast<int>(loops[static_cast<std::size_t>(l)].coedges.size()); ++c)
+        if (skin_.edge({face, l, c}).degenerate) return true;
+    return false;
   }
 
   /// Whether two pieces belong to one chart: neighbours abreast, or one line's that goes on.
@@ -127,25 +141,51 @@ class BandStrips {
   void add(const Visit& visit, std::vector<TowStrip>& out) const {
     std::vector<std::vector<Sample>> lines(visit.lines.size());
     for (std::size_t e = 0; e < lines.size(); ++e) lines[e] = samples(visit, e);
-    for (const Cut& cut : pieces_) {
-      const auto j = static_cast<std::size_t>(cut.tow);
-      const double lo = std::max(cut.range.lo, visit.range.lo), hi = std::min(cut.range.hi, visit.range.hi);
-      if (!(hi > lo) || (visit.lines[j - 1].empty() && visit.lines[j].empty())) continue;
-      TowStrip strip;
-      strip.face = visit.face;
-      strip.band = index_;
-      strip.course = band_.course;
-      strip.tow = cut.tow;
-      strip.turned = (skin_.face(visit.face).reversed ? -1 : 1) * visit.normal_sign < 0;
-      strip.whole = spans(visit.lines[j - 1], cut.range) && spans(visit.lines[j], cut.range);
-      for (const Sample& s : lines[j - 1])
-        if (s.t >= lo && s.t <= hi) strip.left.push_back(s.uv);
-      for (const Sample& s : lines[j])
-        if (s.t >= lo && s.t <= hi) strip.right.push_back(s.uv);
-      if (lo == cut.range.lo) end_square(visit, j, lo, true, strip);
-      if (hi == cut.range.hi) end_square(visit, j, hi, false, strip);
-      out.push_back(std::move(strip));
+    for (const Cut& cut : pieces_)
+      for (const Interval& range : stretches(visit, cut)) out.push_back(strip(visit, lines, cut, range));
+  }
+
+  /// Where a tow may lie on the chart: along its edges' pieces and a little beyond, for the tip of a face
+  /// that reaches in between them.
+  std::vector<Interval> stretches(const Visit& visit, const Cut& cut) const {
+    std::vector<Interval> on;
+    const auto j = static_cast<std::size_t>(cut.tow);
+    const double reach = visit.at_pole ? 0 : tip * width_mm_;
+    for (const std::size_t e : {j - 1, j})
+      for (const LinePiece* piece : visit.lines[e])
+        on.push_back({piece->first() - reach, piece->last() + reach});
+    std::sort(on.begin(), on.end(), [](const Interval& a, const Interval& b) { return a.lo < b.lo; });
+    std::vector<Interval> out;
+    const double first = std::max(cut.range.lo, visit.range.lo);
+    const double last = std::min(cut.range.hi, visit.range.hi);
+    for (const Interval& i : on) {
+      const double lo = std::max(i.lo, first), hi = std::min(i.hi, last);
+      if (!(hi > lo)) continue;
+      if (!out.empty() && lo <= out.back().hi)
+        out.back().hi = std::max(out.back().hi, hi);
+      else
+        out.push_back({lo, hi});
     }
+    return out;
+  }
+
+  TowStrip strip(const Visit& visit, const std::vector<std::vector<Sample>>& lines, const Cut& cut,
+                 const Interval& range) const {
+    const auto j = static_cast<std::size_t>(cut.tow);
+    TowStrip out;
+    out.face = visit.face;
+    out.band = index_;
+    out.course = band_.course;
+    out.tow = cut.tow;
+    out.turned = (skin_.face(visit.face).reversed ? -1 : 1) * visit.normal_sign < 0;
+    out.whole = spans(visit.lines[j - 1], cut.range) && spans(visit.lines[j], cut.range);
+    for (const Sample& s : lines[j - 1])
+      if (s.t >= range.lo && s.t <= range.hi) out.left.push_back(s.uv);
+    for (const Sample& s : lines[j])
+      if (s.t >= range.lo && s.t <= range.hi) out.right.push_back(s.uv);
+    if (range.lo == cut.range.lo) end_square(visit, j, range.lo, true, out);
+    if (range.hi == cut.range.hi) end_square(visit, j, range.hi, false, out);
+    return out;
   }
 
   static bool spans(const std::vector<const LinePiece*>& pieces, const Interval& range) {
@@ -188,8 +228,10 @@ class BandStrips {
             if (!covering(own, node.t)) at.push_back(node.t);
     for (const Cut& cut : pieces_)
       if (const auto j = static_cast<std::size_t>(cut.tow); j == e || j == e + 1)
-        for (const double t : {cut.range.lo, cut.range.hi})
-          if (t > visit.range.lo && t < visit.range.hi) at.push_back(t);
+        for (const Interval& range : stretches(visit, cut)) {
+          at.push_back(range.lo);
+          at.push_back(range.hi);
+        }
     std::sort(at.begin(), at.end());
     at.erase(std::unique(at.begin(), at.end()), at.end());
     std::vector<Sample> out;
@@ -197,9 +239,46 @@ class BandStrips {
     for (const double t : at) {
       for (; next < own.size() && own[next]->first() <= t; ++next)
         around_pole(*own[next - 1], *own[next], out);
+      if (const LinePiece* piece = begins(own, t); piece && piece->comes)
+        if (const auto pole = pole_near(piece->nodes->front().at)) out.push_back({t, *pole});
       out.push_back({t, on_line(visit, e, t)});
+      if (const LinePiece* piece = ends(own, t); piece && piece->goes)
+        if (const auto pole = pole_near(piece->nodes->back().at)) out.push_back({t, *pole});
     }
     return out;
+  }
+
+  /// The piece that begins at t, where none goes before; and the one that ends there, where none goes on.
+  static const LinePiece* begins(const std::vector<const LinePiece*>& pieces, double t) {
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      if (pieces[i]->first() == t) return i > 0 && pieces[i - 1]->last() >= t - 1e-9 ? nullptr : pieces[i];
+    return nullptr;
+  }
+  static const LinePiece* ends(const std::vector<const LinePiece*>& pieces, double t) {
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      if (pieces[i]->last() == t)
+        return i + 1 < pieces.size() && pieces[i + 1]->first() <= t + 1e-9 ? nullptr : pieces[i];
+    return nullptr;
+  }
+
+  /// Where a line leaves a face for its neighbour close to the pole that both share, the edge between them
+  /// leads to the pole: what of the tow lies beyond is on other faces.
+  std::optional<Uv> pole_near(const SurfacePoint& at) const {
+    const Surface& surface = skin_.face(at.face).surface;
+    const double reach = 3 * width_mm_ * static_cast<double>(band_.middles.size());
+    const SurfaceDerivatives here = surface.derivatives(at.uv);
+    for (int axis = 0; axis < 2; ++axis)
+      for (const double end : {axis == 0 ? surface.domain_v().lo : surface.domain_u().lo,
+                               axis == 0 ? surface.domain_v().hi : surface.domain_u().hi}) {
+        if (!std::isfinite(end)) continue;
+        Uv there = at.uv;
+        there[1 - axis] = end;
+        const SurfaceDerivatives d = surface.derivatives(there);
+        const bool shrinks =
+            axis == 0 ? d.Su.norm() < 1e-6 * here.Su.norm() : d.Sv.norm() < 1e-6 * here.Sv.norm();
+        if (shrinks && (d.S - here.S).norm() < reach) return there;
+      }
+    return std::nullopt;
   }
 
   /// A line that goes on beyond a seam, while others of its band pass on the other side of the pole: by way
@@ -265,8 +344,8 @@ class BandStrips {
     const std::size_t n = visit.lines.size();
     if (!visit.lines[e].empty()) {
       const LinePiece& own = nearest(visit.lines[e], t);
-      if (std::max(own.first() - t, t - own.last()) < straight_on * width_mm_)
-        return beside(visit, own, e, t);
+      const double way = visit.at_pole ? 0 : straight_on;
+      if (std::max(own.first() - t, t - own.last()) < way * width_mm_) return beside(visit, own, e, t);
     }
     for (std::size_t step = 1; step < n; ++step)
       for (const std::size_t other : {e - step, e + step})  // a wrapped e - step is no line
