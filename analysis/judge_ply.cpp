@@ -6,6 +6,7 @@
 
 #include "analysis/geodesic_way.h"
 #include "analysis/judge_lines.h"
+#include "analysis/tow_coverage.h"
 
 namespace afptraj {
 namespace {
@@ -90,6 +91,15 @@ void tell(PlyReport& report) {
                               at(report.spacing.first_unresolved));
 }
 
+void tell_coverage(PlyReport& report) {
+  const TowCoverage& c = report.tow_coverage;
+  if (c.holds()) return;
+  report.warnings.push_back("gaps and overlaps do not add up: the polygons miss " + number(c.skin_residual_mm2) +
+                            " mm2 of the skin and " + number(c.laid_residual_mm2) + " mm2 of the tows (bounds " +
+                            number(c.error_mm2) + " and " + number(c.error_mm2 + c.laid_error_mm2) +
+                            "); tows fold there, or faces lie between the edges of one tow");
+}
+
 }  // namespace
 
 Coverage measure_coverage(const Skin& skin, const Ply& ply, const JudgeOptions& options) {
@@ -134,6 +144,10 @@ void judge_ply(const Skin& skin, const JudgeOptions& options, Ply& ply) {
   report.loose_ends = loose_ends(judged.lines, ends, options.band_width_mm);
   tell(report);
   stage("crossings and ends");
+  if (!options.tow_coverage) return;
+  report.tow_coverage = measure_tow_coverage(skin, ply);
+  tell_coverage(report);
+  stage("tow coverage");
 }
 
 }  // namespace afptraj

@@ -8,6 +8,7 @@ struct JudgeOptions {
   double band_width_mm = 50.8;
   int area_samples = 8000;      ///< over the whole skin
   int spacing_samples = 4000;   ///< points between samples at which E_k is measured first, spread over all courses
+  bool tow_coverage = false;    ///< gaps and overlaps of the tows, see tow_coverage.h
   double tolerance_mm = 1e-7;   ///< of the geodesics; the worst are measured again a thousand times finer
 };
 

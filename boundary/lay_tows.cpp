@@ -58,24 +58,15 @@ class ArcLength {
   };
   const CurveNode& node(const Span& span) const { return curve_.pieces[span.piece][span.node]; }
   double width(const Span& span) const { return curve_.pieces[span.piece][span.node + 1].t - node(span).t; }
-  double part(const Span& span, double x) const { return arc_length(skin_, curve_.pieces[span.piece], span.node, 0, x); }
+  double part(const Span& span, double x) const {
+    return x > 0 ? arc_length(skin_, curve_.pieces[span.piece], span.node, 0, x) : 0;  // most are asked for at nodes
+  }
 
   const Skin& skin_;
   const SurfaceCurve& curve_;
   std::vector<Span> spans_;
   double length_ = 0;
 };
-
-/// Where a line is on the skin. A closed line is cut where it begins.
-Stretches on_skin(const Skin& skin, const TowLine& line) {
-  Stretches out;
-  for (SurfaceCurve run : line.runs) {
-    run.closed = false;
-    for (const SurfaceCurve& stretch : clip_to_skin(skin, run, least_on_skin_mm))
-      out.push_back({stretch.first(), stretch.last()});
-  }
-  return out;
-}
 
 Stretches runs_of(const TowLine& line) {
   Stretches out;
@@ -102,6 +93,7 @@ std::vector<TowSample> samples_of(const Skin& skin, const SurfaceCurve& middle, 
         if (const double t = node.t + turn; t > at.back() + close && t < range.hi - close) at.push_back(t);
   at.push_back(range.hi);
   std::vector<TowSample> out;
+  out.reserve(at.size());
   for (const double t : at) {
     const bool beyond = t > middle.last() + 1e-9 * round;
     const double here = beyond ? t - round : t;
@@ -206,23 +198,42 @@ TowReport report_of(const std::vector<TowPiece>& pieces) {
 }  // namespace
 
 LaidTows lay_tows(const Skin& skin, const std::vector<LevelCurve>& levels, const TowLineOptions& options,
-                  const CutRule& rule) {
-  LaidTows out;
-  out.bands = tow_bands(skin, levels, options);
-  std::vector<std::vector<TowOfBand>> cut(out.bands.size());
+                  const CutRule& rule, bool keep_bands) {
+  std::vector<std::pair<int, const SurfaceCurve*>> curves;
+  for (const LevelCurve& level : levels)
+    for (const SurfaceCurve& curve : level.curves) curves.emplace_back(level.number, &curve);
+  struct Made {
+    bool any = false;
+    TowBand band;
+    std::vector<TowOfBand> tows;
+  };
+  std::vector<Made> made(curves.size());
+  const TowBandMaker maker(skin, options);
   const TowCutter cutter(skin, rule);
-  tbb::parallel_for(std::size_t{0}, cut.size(), [&](std::size_t b) { cut[b] = cutter.cut(out.bands[b]); });
+  tbb::parallel_for(std::size_t{0}, made.size(), [&](std::size_t i) {
+    std::optional<TowBand> band = maker.band(curves[i].first, *curves[i].second);
+    if (!band) return;
+    made[i].any = true;
+    made[i].tows = cutter.cut(*band);
+    if (keep_bands) made[i].band = std::move(*band);
+  });
+  LaidTows out;
   int bridged = 0, extended = 0, dropped = 0;
-  for (std::size_t b = 0; b < cut.size(); ++b)
-    for (TowOfBand& tow : cut[b]) {
+  std::size_t bands = 0;
+  for (Made& one : made) {
+    if (!one.any) continue;
+    for (TowOfBand& tow : one.tows) {
       bridged += tow.bridged;
       extended += tow.extended;
       dropped += tow.dropped;
       for (TowPiece& piece : tow.pieces) {
-        piece.band = b;
+        piece.band = bands;
         out.pieces.push_back(std::move(piece));
       }
     }
+    if (keep_bands) out.bands.push_back(std::move(one.band));
+    ++bands;
+  }
   std::stable_sort(out.pieces.begin(), out.pieces.end(), [](const TowPiece& a, const TowPiece& b) {
     return std::make_pair(a.course, a.tow) < std::make_pair(b.course, b.tow);
   });
@@ -233,6 +244,16 @@ LaidTows lay_tows(const Skin& skin, const std::vector<LevelCurve>& levels, const
   out.report.bridged = bridged;
   out.report.extended = extended;
   out.report.dropped = dropped;
+  return out;
+}
+
+Stretches on_skin(const Skin& skin, const TowLine& line) {
+  Stretches out;
+  for (SurfaceCurve run : line.runs) {
+    run.closed = false;
+    for (const SurfaceCurve& stretch : clip_to_skin(skin, run, least_on_skin_mm))
+      out.push_back({stretch.first(), stretch.last()});
+  }
   return out;
 }
 

@@ -11,7 +11,7 @@ namespace afptraj {
 
 /// The tows of a ply and what they came to.
 struct LaidTows {
-  std::vector<TowBand> bands;
+  std::vector<TowBand> bands;    ///< empty unless asked for
   std::vector<TowPiece> pieces;  ///< by course, tow, segment
   TowReport report;
 };
@@ -21,8 +21,13 @@ struct LaidTows {
 /// square to its course. Where lines break off (no ray leads on) the tow does.
 ///
 /// Samples stand at the ends and at the nodes of the middle line, at most `options.station_mm` apart along the course.
+///
+/// Lines take three times the memory of the samples; a band's are freed as soon as its tows are cut, but for `keep_bands`.
 LaidTows lay_tows(const Skin& skin, const std::vector<LevelCurve>& levels, const TowLineOptions& options,
-                  const CutRule& rule);
+                  const CutRule& rule, bool keep_bands = true);
+
+/// Where a line is on the skin. A closed line is cut where it begins.
+Stretches on_skin(const Skin& skin, const TowLine& line);
 
 /// The frame of a line at t; nothing where it has no run.
 std::optional<CurveFrame> frame_on(const Skin& skin, const TowLine& line, double t);

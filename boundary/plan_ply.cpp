@@ -117,7 +117,7 @@ void add_tows(const Skin& skin, const Parallels& parallels, const PlanOptions& o
   lines.coverage_rule = options.cut.coverage_rule;
   lines.station_mm = std::min(16.0, options.band_width_mm());
   lines.beyond_mm = options.cut.short_tows == ShortTows::drop ? 0 : options.cut.min_cut_length_mm;
-  LaidTows tows = lay_tows(skin, parallels.levels, lines, options.cut);
+  LaidTows tows = lay_tows(skin, parallels.levels, lines, options.cut, options.keep_tow_lines);
   ply.bands = std::move(tows.bands);
   ply.tows = std::move(tows.pieces);
   ply.report.tows = tows.report;
@@ -187,6 +187,10 @@ void keep_near_skin(const Skin& skin, double reach_mm, std::vector<Course>& cour
 }
 
 }  // namespace
+
+bool TowCoverage::holds() const {
+  return std::abs(skin_residual_mm2) <= error_mm2 && std::abs(laid_residual_mm2) <= error_mm2 + laid_error_mm2;
+}
 
 double Course::length_mm() const {
   double sum = 0;

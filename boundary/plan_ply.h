@@ -26,6 +26,7 @@ struct PlanOptions {
   int max_courses = 2000;         ///< on each side
   bool cut_tows = true;           ///< or only centre lines
   CutRule cut;
+  bool keep_tow_lines = true;     ///< Ply::bands; what analysis/tow_coverage.h needs
   std::string plies_name = "plies.csv";  ///< for messages: the file the points come from
   double band_width_mm() const { return tow_width_mm * tows; }
 };

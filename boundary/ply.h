@@ -73,6 +73,35 @@ struct TowReport {
   TightestTurn tightest;
 };
 
+/// A polygon of one face that no tow covers, or that tows cover more than once.
+struct TowSpot {
+  int layers = 0;  ///< tows that lie over each other; 0 is a gap
+  double area_mm2 = 0, length_mm = 0, width_mm = 0;  ///< length: greatest extent; width: the greatest across it
+  Vec3 where = Vec3::Zero();                         ///< the middle of the widest place
+  std::vector<std::pair<int, int>> tows;             ///< course and tow, of those at its edge
+  bool at_boundary = false;                          ///< the boundary of its face is part of its edge
+  int face = -1;
+  std::vector<Uv> outline;  ///< its outer boundary in (u, v), anticlockwise
+  bool gap() const { return layers == 0; }
+};
+
+/// What the tows cover, from polygons. Areas are of the skin.
+struct TowCoverage {
+  bool measured = false;
+  double skin_mm2 = 0;      ///< within the loops of the faces
+  double covered_mm2 = 0, gap_mm2 = 0;
+  double overlap_mm2 = 0;   ///< counted once for every layer above the first
+  double laid_mm2 = 0;      ///< all tows, with what lies off the skin: by the lengths of their lines
+  double off_skin_mm2 = 0;  ///< of these
+  double error_mm2 = 0;     ///< bounds the error of skin, covered, gap and overlap
+  double laid_error_mm2 = 0;  ///< ... of laid and off skin
+  /// skin - covered - gap, and laid - off skin - overlap - covered, each from areas found apart: at most `error_mm2`, and
+  /// `error_mm2` + `laid_error_mm2`, where the polygons are right.
+  double skin_residual_mm2 = 0, laid_residual_mm2 = 0;
+  std::vector<TowSpot> spots;  ///< by area, greatest first; slivers narrower than the lines' tolerance are left out
+  bool holds() const;          ///< both residuals are within their bounds
+};
+
 /// A stretch of the skin farther than W/2 from every centre line, and why.
 struct UncoveredSpot {
   Vec3 where = Vec3::Zero();  ///< the worst point
@@ -140,6 +169,7 @@ struct PlyReport {
   double min_steering_radius_mm = 0;
   double max_deviation_rad = 0;
   TowReport tows;
+  TowCoverage tow_coverage;
   std::vector<std::string> warnings;
   std::vector<std::string> violations;  ///< limits of the job that do not hold
   std::vector<StageTime> times;
@@ -152,7 +182,7 @@ struct Ply {
   /// Centre lines off the skin (beyond its boundary, over holes) near enough that their bands may
   /// reach onto it, by the same numbers. They are no paths to lay as they stand; tows are cut from them.
   std::vector<Course> off_skin;
-  /// Empty when tows were not asked for.
+  /// Empty when tows were not asked for, or their lines not kept.
   std::vector<TowBand> bands;
   std::vector<TowPiece> tows;  ///< by course, tow, segment
   PlyReport report;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <tbb/parallel_for.h>
 
@@ -304,114 +305,114 @@ GeodesicOptions tow_geodesics(const Skin& skin, const TowLineOptions& options) {
   return out;
 }
 
-/// The lines at one offset of all bands, as far as rays lead.
-std::vector<TowLine> lines_at(const GeodesicTracer& tracer, double offset_mm, std::size_t index,
-                              const std::vector<std::shared_ptr<BandSource>>& sources,
-                              const std::vector<std::vector<Station>>& stations) {
-  FrontOptions options;
-  options.spacing_mm = std::abs(offset_mm);
+/// The line at one offset of a band, as far as rays lead.
+TowLine line_at(const GeodesicTracer& tracer, double offset_mm, std::size_t index,
+                const std::shared_ptr<const BandSource>& source, const std::vector<Station>& all) {
   const int side = offset_mm >= 0 ? 1 : -1;
-  Front front(tracer, side, options);
-  std::vector<std::size_t> band_of;  // by strand
-  std::vector<TowLine> out(sources.size());
-  for (std::size_t b = 0; b < sources.size(); ++b) {
-    out[b].offset_mm = offset_mm;
-    const int source = front.add_source(sources[b], 0);
-    const std::vector<Station>& all = stations[b];
-    // Most runs stay on one face: their nodes are the curve. The others need their passages found.
-    const auto finish = [&](std::size_t first, std::size_t last) {
-      if (last < first + 2) return;
-      const bool closed = sources[b]->closed() && last - first == all.size();
-      std::vector<CurveNode> nodes;
-      LineNode before;
-      bool smooth = true;
-      for (std::size_t i = first; i < last && smooth; ++i) {
-        const LineNode node = line_node(tracer.skin(), all[i], index, side);
-        smooth = i == first || joins(tracer.skin(), before, node);
-        nodes.push_back(node.node);
-        before = node;
-      }
-      if (smooth) {
-        out[b].runs.push_back({{std::move(nodes)}, closed});
-        return;
-      }
-      Strand strand;
-      strand.source = source;
-      for (std::size_t i = first; i < last; ++i) strand.rays.push_back({all[i].t, all[i].ends[index]});
-      if (closed) {
-        strand.end[0] = strand.end[1] = StrandEnd::linked;
-        strand.link[0] = strand.link[1] = static_cast<int>(b);
-      }
-      front.add_strand(std::move(strand));
-      band_of.push_back(b);
-    };
-    std::size_t first = 0;
-    for (std::size_t i = 0; i <= all.size(); ++i)
-      if (i == all.size() || !all[i].alive[index]) {
-        finish(first, i);
-        first = i + 1;
-      }
-  }
-  for (ChainedCurve& chain : level_curves(tracer, front, 1))
-    out[band_of[chain.strands.front()]].runs.push_back(std::move(chain.curve));
-  for (TowLine& line : out)
-    std::sort(line.runs.begin(), line.runs.end(),
-              [](const SurfaceCurve& a, const SurfaceCurve& b) { return a.first() < b.first(); });
+  TowLine out;
+  out.offset_mm = offset_mm;
+  std::optional<Front> front;  // for the runs that do not stay on one face
+  int number = 0;
+  // Most runs stay on one face: their nodes are the curve. The others need their passages found.
+  const auto finish = [&](std::size_t first, std::size_t last) {
+    if (last < first + 2) return;
+    const bool closed = source->closed() && last - first == all.size();
+    std::vector<CurveNode> nodes;
+    nodes.reserve(last - first);
+    LineNode before;
+    bool smooth = true;
+    for (std::size_t i = first; i < last && smooth; ++i) {
+      const LineNode node = line_node(tracer.skin(), all[i], index, side);
+      smooth = i == first || joins(tracer.skin(), before, node);
+      nodes.push_back(node.node);
+      before = node;
+    }
+    if (smooth) {
+      out.runs.push_back({{std::move(nodes)}, closed});
+      return;
+    }
+    if (!front) {
+      FrontOptions options;
+      options.spacing_mm = std::abs(offset_mm);
+      front.emplace(tracer, side, options);
+      number = front->add_source(source, 0);
+    }
+    Strand strand;
+    strand.source = number;
+    for (std::size_t i = first; i < last; ++i) strand.rays.push_back({all[i].t, all[i].ends[index]});
+    if (closed) {
+      strand.end[0] = strand.end[1] = StrandEnd::linked;
+      strand.link[0] = strand.link[1] = 0;
+    }
+    front->add_strand(std::move(strand));
+  };
+  std::size_t first = 0;
+  for (std::size_t i = 0; i <= all.size(); ++i)
+    if (i == all.size() || !all[i].alive[index]) {
+      finish(first, i);
+      first = i + 1;
+    }
+  if (front)
+    for (ChainedCurve& chain : level_curves(tracer, *front, 1)) out.runs.push_back(std::move(chain.curve));
+  std::sort(out.runs.begin(), out.runs.end(),
+            [](const SurfaceCurve& a, const SurfaceCurve& b) { return a.first() < b.first(); });
   return out;
 }
 
 }  // namespace
 
-std::vector<TowBand> tow_bands(const Skin& skin, const std::vector<LevelCurve>& levels, const TowLineOptions& options) {
-  const GeodesicTracer tracer(skin, tow_geodesics(skin, options));
-  const Offsets offsets(options);
-  const BandBuilder builder(tracer, options, offsets);
-  std::vector<const SurfaceCurve*> curves;
-  std::vector<int> course_of;
-  for (const LevelCurve& level : levels)
-    for (const SurfaceCurve& curve : level.curves) {
-      curves.push_back(&curve);
-      course_of.push_back(level.number);
-    }
-  std::vector<std::shared_ptr<BandSource>> sources(curves.size());
-  std::vector<std::vector<Station>> stations(curves.size());
-  tbb::parallel_for(std::size_t{0}, curves.size(), [&](std::size_t i) {
-    sources[i] = std::make_shared<BandSource>(skin, *curves[i]);
-    builder.extend(*sources[i]);
-    stations[i] = builder.stations(*sources[i], curves[i]->first(), curves[i]->last());
-  });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    if (std::none_of(stations[i].begin(), stations[i].end(), [](const Station& s) { return s.on_skin(); })) continue;
-    sources[kept] = sources[i];
-    course_of[kept] = course_of[i];
-    if (kept != i) stations[kept] = std::move(stations[i]);
-    ++kept;
-  }
-  sources.resize(kept);
-  stations.resize(kept);
+struct TowBandMaker::Parts {
+  Parts(const Skin& on, const TowLineOptions& asked)
+      : skin(on), options(asked), tracer(on, tow_geodesics(on, asked)), offsets(asked), builder(tracer, options, offsets) {}
+  const Skin& skin;
+  TowLineOptions options;
+  GeodesicTracer tracer;
+  Offsets offsets;
+  BandBuilder builder;
+};
 
-  std::vector<std::vector<TowLine>> lines(offsets.all().size());  // by offset, by band
-  tbb::parallel_for(std::size_t{0}, lines.size(), [&](std::size_t i) {
-    lines[i] = lines_at(tracer, offsets.all()[i], i, sources, stations);
-  });
-  std::vector<TowBand> out(kept);
-  for (std::size_t b = 0; b < kept; ++b) {
-    TowBand& band = out[b];
-    band.course = course_of[b];
-    band.closed = sources[b]->closed();
-    band.first = sources[b]->first();
-    band.last = sources[b]->last();
-    const auto line = [&](double offset) { return lines[offsets.index(offset)][b]; };
-    const double p = options.coverage_rule, d = options.tow_width_mm;
-    for (int j = 0; j <= options.tows; ++j) band.edges.push_back(line(offsets.edge(j)));
-    for (int j = 1; j <= options.tows; ++j) {
-      band.middles.push_back(line(offsets.middle(j)));
-      if (!offsets.has_inner()) continue;
-      band.from_left.push_back(line(offsets.edge(j - 1) - p * d));
-      band.from_right.push_back(line(offsets.edge(j) + p * d));
-    }
+TowBandMaker::TowBandMaker(const Skin& skin, const TowLineOptions& options)
+    : parts_(std::make_unique<const Parts>(skin, options)) {}
+TowBandMaker::~TowBandMaker() = default;
+
+std::optional<TowBand> TowBandMaker::band(int course, const SurfaceCurve& curve) const {
+  const TowLineOptions& options = parts_->options;
+  const Offsets& offsets = parts_->offsets;
+  const auto source = std::make_shared<BandSource>(parts_->skin, curve);
+  parts_->builder.extend(*source);
+  const std::vector<Station> stations = parts_->builder.stations(*source, curve.first(), curve.last());
+  if (std::none_of(stations.begin(), stations.end(), [](const Station& s) { return s.on_skin(); })) return std::nullopt;
+  TowBand out;
+  out.course = course;
+  out.closed = source->closed();
+  out.first = source->first();
+  out.last = source->last();
+  const auto line = [&](double offset) {
+    const std::size_t index = offsets.index(offset);
+    return line_at(parts_->tracer, offsets.all()[index], index, source, stations);
+  };
+  const double p = options.coverage_rule, d = options.tow_width_mm;
+  for (int j = 0; j <= options.tows; ++j) out.edges.push_back(line(offsets.edge(j)));
+  for (int j = 1; j <= options.tows; ++j) {
+    out.middles.push_back(line(offsets.middle(j)));
+    if (!offsets.has_inner()) continue;
+    out.from_left.push_back(line(offsets.edge(j - 1) - p * d));
+    out.from_right.push_back(line(offsets.edge(j) + p * d));
   }
+  return out;
+}
+
+std::vector<TowBand> tow_bands(const Skin& skin, const std::vector<LevelCurve>& levels, const TowLineOptions& options) {
+  const TowBandMaker maker(skin, options);
+  std::vector<std::pair<int, const SurfaceCurve*>> curves;
+  for (const LevelCurve& level : levels)
+    for (const SurfaceCurve& curve : level.curves) curves.emplace_back(level.number, &curve);
+  std::vector<std::optional<TowBand>> made(curves.size());
+  tbb::parallel_for(std::size_t{0}, curves.size(),
+                    [&](std::size_t i) { made[i] = maker.band(curves[i].first, *curves[i].second); });
+  std::vector<TowBand> out;
+  for (auto& band : made)
+    if (band) out.push_back(std::move(*band));
   return out;
 }
 

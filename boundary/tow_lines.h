@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "geometry/surface_curve.h"
@@ -36,14 +38,30 @@ struct TowBand {
   std::vector<TowLine> from_left, from_right;
 };
 
-/// Tow lines of all curves of all levels, in their order, as geodesic parallels: rays leave the centre line at right
+/// Finds the tow lines of curves, one by one, as geodesic parallels: rays leave the centre line at right
 /// angles, lines are cubics between their ends, and pass edges between faces exactly (level_curve.h).
 ///
 /// A centre line that ends off the skin or at its boundary goes on along its own geodesic, over the continuation of the skin, as long as
 /// one of its lines is on the skin: at a boundary at an angle a the outer tows go on for W / (2 tan a). One that ends
-/// within the skin (a meeting of fronts) ends square there. Curves of which no tow touches the skin are left out.
+/// within the skin (a meeting of fronts) ends square there.
 ///
-/// Error: the tolerance, as estimated from every second station; tests/tow_lines_test.cpp measures it on a sphere.
+/// Error: the tolerance, as estimated from every second station; tests/lay_tows_test.cpp measures it on a sphere.
+class TowBandMaker {
+ public:
+  TowBandMaker(const Skin& skin, const TowLineOptions& options);
+  ~TowBandMaker();
+  TowBandMaker(const TowBandMaker&) = delete;
+  TowBandMaker& operator=(const TowBandMaker&) = delete;
+
+  /// Nothing where no tow of the curve touches the skin. Several threads may ask at once.
+  std::optional<TowBand> band(int course, const SurfaceCurve& curve) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<const Parts> parts_;
+};
+
+/// The bands of all curves of all levels, in their order; those of which no tow touches the skin are left out.
 std::vector<TowBand> tow_bands(const Skin& skin, const std::vector<LevelCurve>& levels, const TowLineOptions& options);
 
 }  // namespace afptraj

@@ -133,6 +133,7 @@ class Parser {
     run_->add_option("--threads", threads_, "threads [all cores]")->type_name("N");
     run_->add_option("--timeout", timeout_, "stop after this time [never]")->type_name("S");
     run_->add_flag("--force", arguments_.force, "replace an earlier result");
+    run_->add_flag("--coverage", arguments_.coverage, "find gaps and overlaps of the tows, write coverage.csv");
     run_->add_flag("--strict", arguments_.strict, "exit with 1 when a limit is violated");
     run_->add_flag("--json", arguments_.json, "print summary.json instead of a table");
     run_->add_flag("-q,--quiet", arguments_.quiet, "print errors only");

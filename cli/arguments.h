@@ -48,6 +48,7 @@ struct Arguments {
   double tangent_angle_deg = 5;    ///< inspect
   WindArguments wind;
   FillArguments fill;
+  bool coverage = false;           ///< run: gaps and overlaps of the tows
   bool force = false, strict = false, json = false, quiet = false, verbose = false;
 };
 

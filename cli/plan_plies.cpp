@@ -58,10 +58,14 @@ class FirstFailure {
   std::vector<std::exception_ptr> failures_;
 };
 
-Ply plan_and_judge(const Skin& skin, const PlyOrientation& orientation, const Job& job, const Progress& progress) {
-  Ply ply = plan_ply(skin, orientation, plan_options(job), progress);
+Ply plan_and_judge(const Skin& skin, const PlyOrientation& orientation, const Job& job, bool tow_coverage,
+                   const Progress& progress) {
+  PlanOptions options = plan_options(job);
+  options.keep_tow_lines = tow_coverage;
+  Ply ply = plan_ply(skin, orientation, options, progress);
   JudgeOptions judge;
   judge.band_width_mm = job.plan.band_width_mm();
+  judge.tow_coverage = tow_coverage;
   judge_ply(skin, judge, ply);
   return ply;
 }
@@ -80,7 +84,7 @@ std::vector<Ply> plan_plies(const Skin& skin, const std::vector<PlyOrientation>&
       return stop_signal() == 0 && !failure.before(i);
     };
     try {
-      plies[i] = plan_and_judge(skin, orientations[i], job, progress);
+      plies[i] = plan_and_judge(skin, orientations[i], job, arguments.coverage, progress);
       bar.show(i, "judged", 1);
     } catch (...) {
       failure.note(i, std::current_exception());

@@ -15,6 +15,7 @@
 #include "cli/signals.h"
 #include "cli/terminal.h"
 #include "geometry/error.h"
+#include "io/coverage_csv.h"
 #include "io/output_directory.h"
 #include "io/paths_csv.h"
 #include "io/paths_step.h"
@@ -155,7 +156,8 @@ int run(const Arguments& arguments) {
   OutputDirectory output(target, arguments.force, inputs);
   auto csv = std::async(std::launch::async, [&] { 
     output.write("paths.csv", paths_csv(plies));
-    output.write("tows.csv", tows_csv(plies));
+    output.write("tows.csv", [&](const TextSink& sink) { tows_csv(plies, sink); });
+    if (arguments.coverage) output.write("coverage.csv", coverage_csv(plies));
   });
   write_paths_step(output, wires);
   csv.get();
@@ -179,7 +181,8 @@ int run(const Arguments& arguments) {
       if (!arguments.quiet) print_warning("ply " + plies[i].name, warning);
     }
   }
-  text += "wrote " + target + "/{paths.csv,tows.csv,paths.step,summary.json} in " + short_number(watch.total(), 3) +
+  text += "wrote " + target + "/{paths.csv,tows.csv," + (arguments.coverage ? "coverage.csv," : "") +
+          "paths.step,summary.json} in " + short_number(watch.total(), 3) +
           " s\n";
   if (arguments.json) {
     print(summary);

@@ -87,6 +87,15 @@ std::string ply_table(const Ply& ply, const Job& job, const std::vector<std::str
                           short_number(tows.longest_mm, 5) + " mm long; " + std::to_string(tows.extended) +
                           " extended, " + std::to_string(tows.dropped) + " dropped, " + std::to_string(tows.bridged) +
                           " gaps laid through");
+  if (r.tow_coverage.measured) {
+    const TowCoverage& c = r.tow_coverage;
+    const auto share = [&](double area) { return short_number(100 * area / c.skin_mm2, 4) + " %"; };
+    const auto gaps = std::count_if(c.spots.begin(), c.spots.end(), [](const TowSpot& s) { return s.gap(); });
+    out += line("tow coverage", share(c.covered_mm2) + " of the skin, gaps " + share(c.gap_mm2) + " in " +
+                                    std::to_string(gaps) + " places, overlap " + share(c.overlap_mm2) + " in " +
+                                    std::to_string(c.spots.size() - static_cast<std::size_t>(gaps)) +
+                                    ", each within " + short_number(100 * c.error_mm2 / c.skin_mm2, 2) + " %");
+  }
   out += line("deviation", "at most " + degrees(r.max_deviation_rad) + " deg (limit " +
                                degrees(job.plan.angle_limit_rad) + " deg)");
   for (const std::string& violation : violations) out += line("VIOLATED", printable(violation, 300));

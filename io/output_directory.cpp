@@ -61,7 +61,7 @@ bool lies_in(const fs::path& file, const fs::path& directory) {
 }  // namespace
 
 const std::vector<std::string>& result_file_names() {
-  static const std::vector<std::string> names{"paths.csv", "tows.csv", "paths.step", "summary.json",
+  static const std::vector<std::string> names{"paths.csv", "tows.csv", "coverage.csv", "paths.step", "summary.json",
                                               "fill.svg"};
   return names;
 }
@@ -157,17 +157,29 @@ void OutputDirectory::make_staging() {
 }
 
 void OutputDirectory::write(const std::string& name, std::string_view content) {
+  write(name, [&](const TextSink& sink) { sink(content); });
+}
+
+void OutputDirectory::write(const std::string& name, const std::function<void(const TextSink&)>& produce) {
   const fs::path path = staging_ / name;
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd < 0) cannot_write(target_ / name, write_problem(errno));
   int problem = 0;
-  while (!content.empty() && problem == 0) {
-    const ssize_t done = ::write(fd, content.data(), content.size());
-    if (done < 0) {
-      if (errno != EINTR) problem = errno;
-    } else {
-      content.remove_prefix(static_cast<std::size_t>(done));
-    }
+  try {
+    produce([&](std::string_view part) {
+      while (!part.empty() && problem == 0) {
+        const ssize_t done = ::write(fd, part.data(), part.size());
+        if (done < 0) {
+          if (errno != EINTR) problem = errno;
+        } else {
+          part.remove_prefix(static_cast<std::size_t>(done));
+        }
+      }
+      if (problem != 0) cannot_write(target_ / name, write_problem(problem));
+    });
+  } catch (...) {
+    ::close(fd);
+    throw;
   }
   if (problem == 0 && ::fsync(fd) != 0 && errno != EINVAL) problem = errno;
   if (::close(fd) != 0 && problem == 0) problem = errno;

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "io/text_sink.h"
 
 namespace afptraj {
 
@@ -38,6 +41,8 @@ class OutputDirectory {
   /// Writes a file whole and flushes it. `name` is one of result_file_names().
   /// Throws Error(cannot_write), with what to do when the disk is full.
   void write(const std::string& name, std::string_view content);
+  /// The same, of content that comes in parts: `produce` hands them on.
+  void write(const std::string& name, const std::function<void(const TextSink&)>& produce);
   /// Flushes a file that something else has written to staging().
   void adopt(const std::string& name);
 

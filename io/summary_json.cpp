@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "io/coverage_csv.h"
 #include "io/number_text.h"
 
 namespace afptraj {
@@ -169,6 +170,44 @@ Json tows(const Ply& ply) {
                                   : Json()}};
 }
 
+Json tow_coverage(const TowCoverage& c) {
+  if (!c.measured) return {};
+  constexpr std::size_t most_worst = 10;
+  const auto percent = [&](double area) { return rounded_number(100 * area / c.skin_mm2, 6); };
+  const auto gaps =
+      static_cast<std::size_t>(std::count_if(c.spots.begin(), c.spots.end(), [](const TowSpot& s) { return s.gap(); }));
+  Json worst = Json::array();
+  for (std::size_t i = 0; i < std::min(most_worst, c.spots.size()); ++i) {
+    const TowSpot& spot = c.spots[i];
+    worst.push_back({{"kind", spot.gap() ? "gap" : "overlap"},
+                     {"layers", spot.layers},
+                     {"area_mm2", number(spot.area_mm2)},
+                     {"length_mm", number(spot.length_mm)},
+                     {"width_mm", number(spot.width_mm)},
+                     {"where", vector(spot.where)},
+                     {"face", spot.face + 1},
+                     {"boundary", spot.at_boundary},
+                     {"tows", tow_names(spot)}});
+  }
+  return {{"skin_mm2", number(c.skin_mm2)},
+          {"covered_mm2", number(c.covered_mm2)},
+          {"covered_percent", percent(c.covered_mm2)},
+          {"gap_mm2", number(c.gap_mm2)},
+          {"gap_percent", percent(c.gap_mm2)},
+          {"overlap_mm2", number(c.overlap_mm2)},
+          {"overlap_percent", percent(c.overlap_mm2)},
+          {"error_mm2", number(c.error_mm2)},
+          {"error_percent", percent(c.error_mm2)},
+          {"laid_mm2", number(c.laid_mm2)},
+          {"off_skin_mm2", number(c.off_skin_mm2)},
+          {"laid_error_mm2", number(c.laid_error_mm2)},
+          {"skin_residual_mm2", small_number(c.skin_residual_mm2)},
+          {"laid_residual_mm2", small_number(c.laid_residual_mm2)},
+          {"gaps", gaps},
+          {"overlaps", c.spots.size() - gaps},
+          {"worst", worst}};
+}
+
 Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
   const PlyReport& r = ply.report;
   return {
@@ -195,6 +234,7 @@ Json ply_facts(const Ply& ply, const std::vector<std::string>& violations) {
       {"min_steering_radius_mm", r.min_steering_radius_mm < 1e9 ? number(r.min_steering_radius_mm) : Json()},
       {"max_deviation_deg", degrees(r.max_deviation_rad)},
       {"tows", tows(ply)},
+      {"tow_coverage", tow_coverage(r.tow_coverage)},
       {"reference", reference(r)},
       {"courses", courses(ply)},
       {"warnings", r.warnings},
@@ -236,7 +276,10 @@ std::string summary_json(const RunRecord& run, const StepModel& model, const Ski
         ply_facts(ply, found == run.violations.end() ? ply.report.violations : found->second));
   }
   out["warnings"] = run.warnings;
-  out["files"] = {"paths.csv", "tows.csv", "paths.step", "summary.json"};
+  const bool covered = std::any_of(plies.begin(), plies.end(), [](const Ply& p) { return p.report.tow_coverage.measured; });
+  out["files"] = {"paths.csv", "tows.csv"};
+  if (covered) out["files"].push_back("coverage.csv");
+  for (const char* name : {"paths.step", "summary.json"}) out["files"].push_back(name);
   out["times"] = times(run, plies);
   // names in a STEP file may be any bytes: what is not UTF-8 is replaced, never a reason to fail
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -483,8 +483,24 @@ TEST_F(Cli, RunsToItsFiles) {
   EXPECT_EQ(names(), (std::set<std::string>{"one.csv", "part-afptraj"}));
 
   expect_error(run({"run", panel, plies}), 5, "exists; give --force to replace it");
+  const Outcome covered = run({"run", panel, plies, "-o", "covered", "--coverage"});
+  EXPECT_EQ(covered.code, 0) << covered.err;
+  EXPECT_HAS(covered.out, "tow coverage  ");
+  EXPECT_HAS(covered.out, "wrote covered/{paths.csv,tows.csv,coverage.csv,paths.step,summary.json}");
+  const auto with = nlohmann::json::parse(content_of(*this / "covered/summary.json"));
+  const auto& coverage = with["plies"][0]["tow_coverage"];
+  EXPECT_NEAR(coverage["covered_percent"].get<double>() + coverage["gap_percent"].get<double>(), 100, 1e-4);
+  EXPECT_GT(coverage["covered_percent"].get<double>(), 99);
+  EXPECT_EQ(with["files"], nlohmann::json::parse(R"(["paths.csv", "tows.csv", "coverage.csv", "paths.step", "summary.json"])"));
+  const std::string table = content_of(*this / "covered/coverage.csv");
+  EXPECT_HAS(table, "ply,kind,layers,area_mm2,length_mm,width_mm,x,y,z,face,boundary,tows\nP,gap,0,");
+  const auto listed = static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')) - 1;
+  EXPECT_EQ(coverage["gaps"].get<std::size_t>() + coverage["overlaps"].get<std::size_t>(), listed);
+  EXPECT_EQ(coverage["worst"].size(), std::min<std::size_t>(10, listed));
+  fs::remove_all(*this / "covered");
   const Outcome json = run({"run", panel, plies, "--force", "--json"});
   EXPECT_EQ(json.code, 0);
+  EXPECT_TRUE(nlohmann::json::parse(json.out)["plies"][0]["tow_coverage"].is_null());
   EXPECT_EQ(json.out, content_of(*this / "part-afptraj/summary.json"));
   EXPECT_EQ(nlohmann::json::parse(json.out)["plies"][0]["ply"], "P");
   const Outcome quiet = run({"run", panel, plies, "--force", "-q"});

@@ -169,6 +169,29 @@ TEST(Tows, ShortPiecesAtACornerAreExtendedPastTheBoundary) {
   }
 }
 
+TEST(Tows, AreTheSameWhenTheirLinesAreNotKept) {
+  const Skin skin = make_skin(gentle_surface(), {0, 1}, {0, 1});
+  std::vector<LevelCurve> levels;
+  // The last lies off the skin altogether, its bands are left out; the one before reaches in.
+  for (const double v : {0.5, 0.6, 1.01, 3.0}) levels.push_back({static_cast<int>(levels.size()), {straight_uv({-0.02, v}, {1.02, v}, 1040)}});
+  TowLineOptions options;
+  const LaidTows kept = lay_tows(skin, levels, options, bare_rule(0.5));
+  const LaidTows freed = lay_tows(skin, levels, options, bare_rule(0.5), false);
+  EXPECT_EQ(kept.bands.size(), 3u);
+  EXPECT_TRUE(freed.bands.empty());
+  const std::vector<TowBand> bands = tow_bands(skin, levels, options);
+  ASSERT_EQ(bands.size(), 3u);
+  ASSERT_EQ(kept.pieces.size(), freed.pieces.size());
+  for (std::size_t i = 0; i < kept.pieces.size(); ++i) {
+    const TowPiece &a = kept.pieces[i], &b = freed.pieces[i];
+    EXPECT_EQ(a.band, b.band);
+    EXPECT_EQ(bands[a.band].course, a.course);
+    EXPECT_EQ(a.range.hi, b.range.hi);
+    ASSERT_EQ(a.samples.size(), b.samples.size());
+    EXPECT_EQ(a.samples.back().position, b.samples.back().position);
+  }
+}
+
 // R1: on a cylinder lines at an offset from a helix are helices of the same slope: length 1414.2136 from rim to rim for
 // the middle of a tow (50 %), straight (radius above 1e6).
 TEST(Tows, OnACylinderAreHelices) {

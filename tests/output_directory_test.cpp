@@ -65,6 +65,24 @@ TEST(OutputDirectory, AppearsWithCommitAndNotBefore) {
   EXPECT_EQ(names_in(scratch.path()), (std::set<std::string>{"out"}));
 }
 
+TEST(OutputDirectory, TakesAFileInParts) {
+  const TemporaryDirectory scratch;
+  OutputDirectory output(scratch / "out", false);
+  output.write("tows.csv", [](const TextSink& sink) {
+    sink("a");
+    sink("");
+    sink("bc");
+  });
+  // What the producer throws comes through, and the directory can be left.
+  EXPECT_THROW(output.write("paths.csv", [](const TextSink& sink) {
+    sink("x");
+    throw std::length_error("stop");
+  }),
+               std::length_error);
+  output.commit();
+  EXPECT_EQ(content_of(scratch / "out" / "tows.csv"), "abc");
+}
+
 TEST(OutputDirectory, LeavesNothingWithoutCommit) {
   const TemporaryDirectory scratch;
   {

@@ -220,28 +220,6 @@ TEST(PathFit, KeepsTheEndsAndTheOrder) {
             fit.spline_mm + 1e-6);
 }
 
-// A sharp corner is rounded without folding: the moves it takes are larger than the linear model holds for.
-TEST(PathFit, RoundsASharpCornerWithoutFolding) {
-  const Skin skin = make_skin(Surface::plane({}), {-1000, 1000}, {-1000, 1000});
-  for (const double degrees : {60.0, 100.0, 140.0}) {
-    const Uv out(std::cos(degrees * pi / 180), std::sin(degrees * pi / 180));
-    SteppedPath path;
-    for (int i = -250; i <= 250; ++i) {
-      SteppedPoint p;
-      p.at = {0, i < 0 ? Uv(2.0 * i, 0) : Uv(2.0 * i * out)};
-      p.position = skin.point(p.at);
-      p.direction = i < 0 ? Vec3(1, 0, 0) : Vec3(out.x(), out.y(), 0);
-      p.s_mm = 2.0 * (i + 250);
-      path.points.push_back(p);
-    }
-    const SteppedPath fair = fair_path(skin, path, {});
-    for (std::size_t i = 1; i + 1 < fair.points.size(); ++i) {
-      const Vec3 a = fair.points[i].position - fair.points[i - 1].position, b = fair.points[i + 1].position - fair.points[i].position;
-      EXPECT_GT(a.dot(b), 0) << degrees << " " << i;
-    }
-  }
-}
-
 /// A ring round a cylinder of radius 350 at height 500 + offset, from angle `start` on, in some 1100 chords.
 template <typename Offset>
 SteppedPath ring(const Skin& skin, int start, Offset offset) {

@@ -12,6 +12,7 @@
 #include "io/paths_step.h"
 #include "io/plies_csv.h"
 #include "io/summary_json.h"
+#include "io/tows_csv.h"
 #include "tests/temporary_directory.h"
 
 namespace afptraj {
@@ -74,6 +75,42 @@ TEST(PathsCsv, HasOneRowPerSampleInOrder) {
   EXPECT_EQ(lines[7].rfind("A,0,2,1,", 0), 0u) << lines[7];
   EXPECT_EQ(lines[13].rfind("\"=1+1\",-1,1,1,", 0), 0u) << lines[13];  // no formula for a spreadsheet
   for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 16) << line;
+}
+
+// Whatever the parts it comes in: more pieces than fit into one, and several plies.
+TEST(TowsCsv, HasOneRowPerSampleInOrder) {
+  std::vector<Ply> plies(2);
+  plies[0].name = "A,B";
+  plies[1].name = "C";
+  TowSample sample;
+  sample.position = Vec3(1, 2, 3.5);
+  const int pieces = 70;
+  for (Ply& ply : plies)
+    for (int k = 0; k < pieces; ++k) {
+      TowPiece piece;
+      piece.course = -1;
+      piece.tow = k + 1;
+      piece.samples.assign(2000, sample);
+      for (std::size_t i = 0; i < piece.samples.size(); ++i) piece.samples[i].s_mm = static_cast<double>(i);
+      ply.tows.push_back(piece);
+    }
+  std::string text;
+  std::size_t parts = 0;
+  tows_csv(plies, [&](std::string_view part) {
+    text += part;
+    ++parts;
+  });
+  EXPECT_GT(parts, 2u);
+  EXPECT_TRUE(text == tows_csv(plies));
+  const auto lines = lines_of(text);
+  ASSERT_EQ(lines.size(), 1u + 2 * pieces * 2000);
+  EXPECT_EQ(lines[0], "ply,course,tow,segment,point,event,s_mm,x,y,z,nx,ny,nz,tx,ty,tz");
+  EXPECT_EQ(lines[1], "\"A,B\",-1,1,1,1,add,0,1,2,3.5,0,0,1,1,0,0");
+  EXPECT_EQ(lines[2], "\"A,B\",-1,1,1,2,,1,1,2,3.5,0,0,1,1,0,0");
+  EXPECT_EQ(lines.back(), "C,-1,70,1,2000,cut,1999,1,2,3.5,0,0,1,1,0,0");
+  EXPECT_EQ(lines[1 + 2000 * pieces], "C,-1,1,1,1,add,0,1,2,3.5,0,0,1,1,0,0");
+  plies[1].tows[3].samples[7].position.x() = std::nan("");
+  EXPECT_THROW(tows_csv(plies), Error);
 }
 
 TEST(PathsCsv, QuotesWhatNeedsIt) {
