@@ -138,23 +138,29 @@ std::vector<MeridianGeodesic::Phase> MeridianGeodesic::phases_and_breaks(int cou
   return phases;
 }
 
+// Without turn and length.
+FibrePoint MeridianGeodesic::place(const Phase& phase) const {
+  const MeridianPoint at = meridian_.at(phase.t);
+  FibrePoint point;
+  point.t = phase.t;
+  point.z_mm = at.z_mm;
+  point.r_mm = at.r_mm;
+  point.angle_rad = std::asin(std::min(1.0, K_ / at.r_mm));
+  return point;
+}
+
+FibrePoint MeridianGeodesic::next_point(const FibrePoint& before, const Phase& from, const Phase& to) const {
+  FibrePoint point = place(to);
+  point.turn_rad = before.turn_rad + over(Quantity::turn, from.phi, to.phi);
+  point.length_mm = before.length_mm + over(Quantity::length, from.phi, to.phi);
+  return point;
+}
+
 std::vector<FibrePoint> MeridianGeodesic::points_at(const std::vector<Phase>& phases) const {
-  std::vector<FibrePoint> out;
-  for (std::size_t k = 0; k < phases.size(); ++k) {
-    const double phi = phases[k].phi;
-    FibrePoint point;
-    point.t = phases[k].t;
-    const MeridianPoint at = meridian_.at(point.t);
-    point.z_mm = at.z_mm;
-    point.r_mm = at.r_mm;
-    point.angle_rad = std::asin(std::min(1.0, K_ / at.r_mm));
-    if (k > 0) {
-      const double before = phases[k - 1].phi;
-      point.turn_rad = out.back().turn_rad + over(Quantity::turn, before, phi);
-      point.length_mm = out.back().length_mm + over(Quantity::length, before, phi);
-    }
-    out.push_back(point);
-  }
+  if (phases.empty()) return {};
+  std::vector<FibrePoint> out{place(phases.front())};
+  for (std::size_t k = 1; k < phases.size(); ++k)
+    out.push_back(next_point(out.back(), phases[k - 1], phases[k]));
   return out;
 }
 

@@ -57,9 +57,12 @@ class MeridianGeodesic {
   Phase between(const Phase& a, const Phase& b) const;
   /// The first counts as the pass's first end. REQUIRES: growing.
   std::vector<FibrePoint> points_at(const std::vector<Phase>& phases) const;
+  /// The place at a phase, counted on from the one at an earlier phase.
+  FibrePoint next_point(const FibrePoint& before, const Phase& from, const Phase& to) const;
 
  private:
   enum class Quantity { turn, length };
+  FibrePoint place(const Phase& phase) const;
   double over(Quantity quantity, double phi0, double phi1) const;
   double rate(Quantity quantity, double phi) const;
   double above_clairaut(double phi, const MeridianPoint& at) const;
