@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -84,6 +86,7 @@ std::string summary_json(const std::string& output, const VesselReport& report) 
                       {"leading", pattern.leading},
                       {"overlap", pattern.overlap},
                       {"openings_mm", {pattern.opening_first_mm, pattern.opening_last_mm}},
+                      {"steering", {pattern.ratio_first, pattern.ratio_last}},
                       {"free_length_mm", {layer.least_free_mm, layer.most_free_mm}},
                       {"backward_turns", layer.backward_turns},
                       {"clamped", clamped}});
@@ -108,9 +111,9 @@ std::string clamped_text(std::size_t layer, const ClampedAxis& axis) {
 }
 
 std::string summary_table(const std::string& output, const VesselReport& report) {
-  Table table({"layer", "angle deg", "circuits", "starts", "", "overlap %", "openings mm", "thread mm",
-               "lines", "time s", "laid m"},
-              {true, true, true, true, false, true, true, true, true, true, true});
+  Table table({"layer", "angle deg", "circuits", "starts", "", "overlap %", "openings mm", "friction",
+               "thread mm", "lines", "time s", "laid m"},
+              {true, true, true, true, true, false, true, true, true, true, true, true});
   std::string held;
   double time = 0, tow = 0;
   for (std::size_t i = 0; i < report.layers.size(); ++i) {
@@ -122,6 +125,7 @@ std::string summary_table(const std::string& output, const VesselReport& report)
                std::to_string(pattern.starts), pattern.leading ? "leading" : "lagging",
                short_number(100 * pattern.overlap, 3),
                short_number(pattern.opening_first_mm) + ", " + short_number(pattern.opening_last_mm),
+               short_number(std::max(std::abs(pattern.ratio_first), std::abs(pattern.ratio_last)), 3),
                short_number(layer.least_free_mm) + " ... " + short_number(layer.most_free_mm),
                std::to_string(layer.lines), short_number(layer.time_s),
                short_number(layer.laid_mm / mm_per_m)});

@@ -20,6 +20,15 @@ VesselLayer read_layer(TomlTable& table) {
   if (const auto overlap = table.optional_number("overlap", 0, 100)) layer.most_overlap = *overlap / 100;
   layer.circuits = table.optional_count("circuits", 2, 1000000);
   layer.stride = table.optional_count("stride", 0, 1000000);
+  layer.steering.friction = table.optional_number("friction", 0, 1).value_or(0);
+  layer.steering.opening_first_mm = table.optional_number("opening_first", 0.01, 1e6);
+  layer.steering.opening_last_mm = table.optional_number("opening_last", 0.01, 1e6);
+  for (const auto& [key, opening] : {std::pair{"opening_first", layer.steering.opening_first_mm},
+                                     {"opening_last", layer.steering.opening_last_mm}}) {
+    if (opening && layer.steering.friction == 0)
+      table.fail(key, std::string("'") + key +
+                          "' needs friction to steer the fibre there; give friction, such as 0.2");
+  }
   table.finish();
   return layer;
 }

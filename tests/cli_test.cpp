@@ -261,8 +261,9 @@ TEST_F(Cli, WindInspectsMandrels) {
   ASSERT_FALSE(tight["patterns"].empty());
   for (const auto& pattern : tight["patterns"]) EXPECT_LE(pattern["overlap"], 0.02);
   expect_error(run({"wind", "patterns", vessel, "--angle", "20"}), 2, "--tow-width: is missing");
-  expect_error(run({"wind", "patterns", vessel, "--angle", "5", "--tow-width", "8"}), 4,
-               "turns at both ends");
+  expect_error(
+      run({"wind", "patterns", vessel, "--angle", "5", "--tow-width", "8"}), 4,
+      "a geodesic at 5 deg runs off the first end; give friction to turn it, or an angle of at least ");
   expect_error(run({"wind", "patterns", "tube.wind", "--angle", "20", "--tow-width", "8"}), 2,
                "leave it out");
   write("back.csv", "z,r\n0,5\n10,5\n5,6\n20,6\n");

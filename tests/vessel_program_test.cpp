@@ -14,7 +14,7 @@
 #include "geometry/error.h"
 #include "io/machine_program_file.h"
 #include "tests/meridians.h"
-#include "winding/meridian_geodesic.h"
+#include "winding/pass_maker.h"
 
 namespace afptraj {
 namespace {
@@ -68,14 +68,13 @@ double distance(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (p - a - share * e).norm();
 }
 
-// The planned path of a whole layer, from the geodesic's integrals alone: from a turn at the first end on.
+// The planned path of a whole layer, from its integrals alone: from a turn at the first end on.
 struct PlannedPath {
   std::vector<Vec3> points;
   std::vector<double> lengths;
 
-  PlannedPath(const Meridian& meridian, const VesselPattern& pattern) {
-    const double R = meridian.at(meridian.widest()).r_mm;
-    const MeridianGeodesic pass(meridian, R * std::sin(pattern.angle_deg * pi / 180), meridian.widest());
+  PlannedPath(const Meridian& meridian, const VesselPattern& pattern, const SteeringRule& rule = {}) {
+    const FibrePass pass = PassMaker(meridian, rule).at(pattern.angle_deg).value().pass;
     const std::vector<FibrePoint> fibre = pass.points(1000);
     for (std::int64_t k = 0; k < pattern.circuits; ++k) {
       const double turn = 2 * static_cast<double>(k) * pass.turn_rad(),
@@ -106,8 +105,9 @@ struct PlannedPath {
 };
 
 // What was laid, turned back to where the planner counts from.
-void expect_rebuilt(const Meridian& meridian, const VesselLayerReport& planned, const LaidTravel& laid) {
-  const PlannedPath path(meridian, planned.pattern);
+void expect_rebuilt(const Meridian& meridian, const VesselLayerReport& planned, const LaidTravel& laid,
+                    const SteeringRule& rule = {}) {
+  const PlannedPath path(meridian, planned.pattern, rule);
   ASSERT_GT(laid.path.size(), 100u);
   const double turned = laid.path.front().turn_rad;
   EXPECT_NEAR(std::remainder(turned, 2 * pi), 0, 1e-9);
@@ -125,7 +125,9 @@ Written expect_rebuilt(const VesselWinding& winding, const MachineProfile& profi
   Written program = written(winding, profile);
   EXPECT_EQ(program.simulated.layers.size(), winding.layers.size());
   for (std::size_t i = 0; i < program.simulated.layers.size(); ++i) {
-    expect_rebuilt(winding.meridian, program.report.layers[i], program.simulated.layers[i].laid);
+    SteeringRule rule = winding.layers[i].steering;
+    rule.tow_width_mm = winding.tow.width_mm;
+    expect_rebuilt(winding.meridian, program.report.layers[i], program.simulated.layers[i].laid, rule);
     EXPECT_EQ(program.simulated.layers[i].backward_turns, 0);
     EXPECT_EQ(program.simulated.layers[i].idle_moves, 0);
   }
@@ -145,6 +147,22 @@ TEST(VesselProgram, IsRebuiltOnUnequalDomes) {
                                     line_segment({0, 100}, {200, 100}),
                                     test::quarter_ellipse(200, 100, 240, 0, true)};
   expect_rebuilt(winding_of(Meridian(std::move(pieces)), {{35, 5, 0.2}}, 50), machine());
+}
+
+// Between openings of unlike radii, and on a tube between lock turns.
+TEST(VesselProgram, IsRebuiltWhenSteered) {
+  VesselLayer unlike{30, 5, 0.3};
+  unlike.steering = {0.3, 40, 65, 0};
+  const Written program = expect_rebuilt(winding_of(test::vessel(100, 150, 60), {unlike}, 40), machine());
+  EXPECT_NEAR(program.simulated.layers[0].laid.least_r_first_mm, 40, 0.01);
+  EXPECT_NEAR(program.simulated.layers[0].laid.least_r_last_mm, 65, 0.01);
+  VesselLayer locked{50, 4, 0.3};
+  locked.steering.friction = 0.25;
+  const Meridian tube = meridian_through({{0, 50}, {260, 50}});
+  const Written on_tube = expect_rebuilt(winding_of(tube, {locked}, 30), two_axes(90));
+  EXPECT_EQ(on_tube.simulated.layers[0].laid.coverage.covered_share, 1);
+  // what runs one way touches side by side where the angle stays, and hardly parts where it changes
+  EXPECT_GT(on_tube.simulated.layers[0].laid.one_way.covered_share, 0.999);
 }
 
 // Domes from a table, whose splines meet the cylinder in a slight edge. `slant` sharpens it.

@@ -45,7 +45,7 @@ double unevenness(const EyeSample& a, const EyeSample& p, const EyeSample& b) {
 
 class CircuitMaker {
  public:
-  CircuitMaker(const Meridian& meridian, const MeridianGeodesic& pass, const PayoutEye& eye)
+  CircuitMaker(const Meridian& meridian, const FibrePass& pass, const PayoutEye& eye)
       : meridian_(meridian), pass_(pass), eye_(eye) {}
 
   // Samples so close that the pieces between them are straight to a fifth of what is allowed.
@@ -60,7 +60,7 @@ class CircuitMaker {
   }
 
  private:
-  using Phase = MeridianGeodesic::Phase;
+  using Phase = FibrePass::Phase;
 
   // A place of the pass, and the eye on both ways.
   struct Station {
@@ -95,9 +95,9 @@ class CircuitMaker {
     return out;
   }
 
-  // Where the meridian's curvature may jump, and the eye's speed with it.
+  // Where the path's curvature may jump, and the eye's speed with it.
   bool is_kink(const Phase& phase) const {
-    const std::vector<double>& breaks = meridian_.breaks();
+    const std::vector<double>& breaks = pass_.breaks();
     return std::binary_search(breaks.begin(), breaks.end(), phase.t);
   }
 
@@ -135,7 +135,7 @@ class CircuitMaker {
   }
 
   const Meridian& meridian_;
-  const MeridianGeodesic& pass_;
+  const FibrePass& pass_;
   const PayoutEye& eye_;
   std::vector<Station> stations_;
   double least_free_mm_ = 1e300, most_free_mm_ = 0;
@@ -159,7 +159,7 @@ void thin(const std::vector<EyeSample>& all, std::size_t first, std::size_t last
 }
 
 // At an edge the eye would have to travel while nothing is laid.
-void refuse_edges(const Meridian& meridian, const MeridianGeodesic& pass) {
+void refuse_edges(const Meridian& meridian, const FibrePass& pass) {
   const double beside = 1e-9 * (meridian.last() - meridian.first());
   for (const double t : meridian.breaks()) {
     if (t <= pass.first().t + beside || t >= pass.last().t - beside) continue;
@@ -186,7 +186,7 @@ void keep_turning(std::vector<EyeSample>& samples) {
 
 }  // namespace
 
-EyeCircuit eye_circuit(const Meridian& meridian, const MeridianGeodesic& pass, const PayoutEye& eye) {
+EyeCircuit eye_circuit(const Meridian& meridian, const FibrePass& pass, const PayoutEye& eye) {
   refuse_edges(meridian, pass);
   EyeCircuit circuit = CircuitMaker(meridian, pass, eye).dense();
   std::vector<EyeSample> kept{circuit.samples.front()};

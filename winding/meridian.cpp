@@ -74,6 +74,8 @@ double golden(const F& f, double a, double b) {
 
 double MeridianPoint::speed() const { return std::hypot(dz, dr); }
 
+double MeridianPoint::curvature() const { return (dr * ddz - dz * ddr) / std::pow(speed(), 3); }
+
 Meridian::Meridian(std::vector<BSplineCurve2> pieces) : pieces_(std::move(pieces)) {
   starts_.push_back(0);
   for (const BSplineCurve2& piece : pieces_) {
@@ -96,7 +98,7 @@ MeridianPoint Meridian::at(double t) const {
   const auto after = std::upper_bound(starts_.begin(), starts_.end() - 1, t);
   const auto i = static_cast<std::size_t>(after - starts_.begin()) - 1;
   const auto d = pieces_[i].derivatives(pieces_[i].first() + (t - starts_[i]));
-  return {d.c.x(), d.c.y(), d.d1.x(), d.d1.y()};
+  return {d.c.x(), d.c.y(), d.d1.x(), d.d1.y(), d.d2.x(), d.d2.y()};
 }
 
 void Meridian::require_forward() const {

@@ -6,11 +6,13 @@
 
 namespace afptraj {
 
-/// A place on a meridian, with derivatives by its parameter.
+/// A place on a meridian, with first and second derivatives by its parameter.
 struct MeridianPoint {
   double z_mm = 0, r_mm = 0;  ///< along the axis, from it
   double dz = 0, dr = 0;
-  double speed() const;  ///< |(dz, dr)|: way along the meridian by parameter
+  double ddz = 0, ddr = 0;
+  double speed() const;      ///< |(dz, dr)|: way along the meridian by parameter
+  double curvature() const;  ///< of the meridian, positive where it bends towards the axis
 };
 
 /// The curve (z, r) that turns about the axis to a mandrel: B-spline pieces end to end, z growing along it.

@@ -19,6 +19,8 @@ VesselQuery query_of(const VesselLayer& layer, const WindTow& tow) {
   query.tolerance_deg = layer.tolerance_deg;
   query.tow_width_mm = tow.width_mm;
   query.most_overlap = layer.most_overlap;
+  query.steering = layer.steering;
+  query.steering.tow_width_mm = tow.width_mm;
   if (layer.circuits || layer.stride) query.most_starts = 1'000'000;  // whatever is chosen
   return query;
 }
@@ -53,8 +55,10 @@ class VesselPlanner {
     VesselLayerReport report;
     report.pattern = layer_pattern(winding_.meridian, winding_.tow, winding_.layers[index], index + 1);
     const Meridian& meridian = winding_.meridian;
-    const double R = meridian.at(meridian.widest()).r_mm;
-    const MeridianGeodesic pass(meridian, R * std::sin(radians(report.pattern.angle_deg)), meridian.widest());
+    const VesselQuery query = query_of(winding_.layers[index], winding_.tow);
+    const std::optional<SteeredPass> steered =
+        PassMaker(meridian, query.steering).at(report.pattern.angle_deg);
+    const FibrePass& pass = steered.value().pass;
     const EyeCircuit circuit = eye_circuit(meridian, pass, eye_);
     report.least_free_mm = circuit.least_free_mm;
     report.most_free_mm = circuit.most_free_mm;
@@ -70,11 +74,14 @@ class VesselPlanner {
   }
 
   void write_comment(const VesselPattern& pattern, std::size_t index) {
-    writer_.comment("Layer " + std::to_string(index + 1) + " of " + std::to_string(winding_.layers.size()) +
-                    ": helical, angle " + header_number(pattern.angle_deg) + ", circuits " +
-                    std::to_string(pattern.circuits) + ", stride " + std::to_string(pattern.stride) +
-                    ", starts " + std::to_string(pattern.starts) +
-                    (pattern.leading ? " leading" : " lagging"));
+    writer_.comment(
+        "Layer " + std::to_string(index + 1) + " of " + std::to_string(winding_.layers.size()) +
+        ": helical, angle " + header_number(pattern.angle_deg) + ", circuits " +
+        std::to_string(pattern.circuits) + ", stride " + std::to_string(pattern.stride) + ", starts " +
+        std::to_string(pattern.starts) + (pattern.leading ? " leading" : " lagging") +
+        (pattern.ratio_first != 0 || pattern.ratio_last != 0
+             ? ", steering " + header_number(pattern.ratio_first) + " " + header_number(pattern.ratio_last)
+             : ""));
   }
 
   // Where the eye is free of the mandrel, all along it.
@@ -190,19 +197,9 @@ class VesselPlanner {
 
 VesselPattern layer_pattern(const Meridian& meridian, const WindTow& tow, const VesselLayer& layer,
                             std::size_t number) {
-  const double least = least_angle_deg(meridian, tow.width_mm);
-  if (layer.angle_deg + layer.tolerance_deg < least) {
-    throw Error(ErrorCode::no_path, layer_place(number),
-                "the polar opening at this angle is smaller than the tow; the least possible angle is " +
-                    significant_text(std::ceil(least * 1e4) / 1e4, 6) + " deg");
-  }
-  const std::vector<VesselPattern> found = find_vessel_patterns(meridian, query_of(layer, tow));
-  if (found.empty()) {
-    throw Error(ErrorCode::no_path, layer_place(number),
-                "no pattern closes near this angle; give a larger tolerance or overlap, or an angle at which "
-                "a geodesic "
-                "turns at both ends (afptraj wind inspect)");
-  }
+  const VesselQuery query = query_of(layer, tow);
+  const std::vector<VesselPattern> found = find_vessel_patterns(meridian, query);
+  if (found.empty()) throw Error(ErrorCode::no_path, layer_place(number), patterns_refusal(meridian, query));
   for (const VesselPattern& pattern : found) {
     if (pattern.circuits == layer.circuits.value_or(pattern.circuits) &&
         pattern.stride == layer.stride.value_or(pattern.stride))

@@ -9,12 +9,13 @@
 
 namespace afptraj {
 
-/// A helical layer between the polar openings of a mandrel with a meridian.
+/// A helical layer between the places of a mandrel with a meridian where its fibre turns.
 struct VesselLayer {
   double angle_deg = 0;  ///< at the widest place, from the axis
   double tolerance_deg = 1;
   double most_overlap = 0.1;
   std::optional<std::int64_t> circuits = {}, stride = {};  ///< choose a pattern; otherwise the first is taken
+  SteeringRule steering = {};                              ///< without its tow width, which is the winding's
 };
 
 struct VesselWinding {
