@@ -14,6 +14,7 @@ const char* const wind_examples = R"(Examples:
   afptraj wind plan vessel.wind -o program.gcode
   afptraj wind plan vessel.wind -o program.gcode --fiberpath
   afptraj wind plan vessel.toml -o program.gcode
+  afptraj wind plan part.step plies.csv --machine winder.toml --tow-width 8 --thickness 0.3 --feed 12000
   afptraj wind simulate program.gcode
   afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2
   afptraj wind inspect meridian.csv --angle 20
@@ -40,6 +41,47 @@ void add_machine(CLI::App& command, WindArguments& arguments) {
       .add_option("--over-speed", arguments.over_speed,
                   "of a vessel.toml: where an axis is too slow, clamp or refuse [clamp]")
       ->type_name("HOW");
+}
+
+// Of a plan of a part by its ply points.
+void add_plies(CLI::App& plan, WindArguments& arguments) {
+  plan.add_option("plies", arguments.plies, "of a part: its ply points, ply,x,y,z,dx,dy,dz")
+      ->type_name("plies.csv");
+  plan.add_option("--tow-width", arguments.tow_width, "of a part: width of the tow")->type_name("MM");
+  plan.add_option("--thickness", arguments.thickness, "of a part: thickness of the tow")->type_name("MM");
+  plan.add_option("--feed", arguments.feed, "of a part: fibre by minute")->type_name("MM");
+  plan.add_option("--tolerance", arguments.tolerance, "of a part: angles may be off by so much [2]")
+      ->type_name("DEG");
+  plan.add_option("--overlap", arguments.overlap, "of a part: most overlap of tows [10]")
+      ->type_name("PERCENT");
+  plan.add_option("--friction", arguments.friction, "of a part: what keeps the tow beside geodesics [0]")
+      ->type_name("MU");
+  plan.add_option("--face", arguments.faces,
+                  "of a part: the faces of the mandrel, by number [all but planes]")
+      ->type_name("LIST");
+}
+
+void check_plies(WindArguments& arguments) {
+  if (arguments.command != WindArguments::Command::plan) return;
+  if (arguments.plies.empty()) {
+    for (const auto& [flag, text] : {std::pair{"--tow-width", &arguments.tow_width},
+                                     {"--thickness", &arguments.thickness},
+                                     {"--feed", &arguments.feed},
+                                     {"--tolerance", &arguments.tolerance},
+                                     {"--overlap", &arguments.overlap},
+                                     {"--friction", &arguments.friction},
+                                     {"--face", &arguments.faces}}) {
+      if (!text->empty())
+        throw Error(ErrorCode::usage, flag, "is for a part and plies.csv; write it in the winding's file");
+    }
+    return;
+  }
+  if (!arguments.thickness.empty())
+    arguments.thickness_mm = bounded("--thickness", arguments.thickness, 1e-4, 100, false);
+  if (!arguments.feed.empty())
+    arguments.feed_mm_per_min = bounded("--feed", arguments.feed, 1e-3, 1e7, false);
+  if (!arguments.friction.empty())
+    arguments.friction_ratio = bounded("--friction", arguments.friction, 0, 1, false);
 }
 
 void check_machine(const WindArguments& arguments) {
@@ -91,6 +133,7 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
       "  afptraj wind plan vessel.wind --fiberpath --json > summary.json\n"
       "  afptraj wind plan vessel.toml --machine winder.toml --over-speed refuse");
   add_machine(*plan, arguments);
+  add_plies(*plan, arguments);
   plan->add_option("-o,--output", arguments.output, "the program [<file>.gcode]")->type_name("FILE");
   plan->add_flag("--force", *flags.force, "replace an earlier program");
   plan->add_flag("--json", *flags.json, "print a summary for machines instead of a table");
@@ -164,6 +207,7 @@ void finish_wind(const CLI::App& command, WindArguments& arguments) {
     throw Error(ErrorCode::usage, name, std::string("needs a ") + wanted + "; see " + name + " --help");
   }
   check_machine(arguments);
+  check_plies(arguments);
   arguments.angle_deg = asked_angle(arguments);
   if (!arguments.overlap.empty())
     arguments.most_overlap = bounded("--overlap", arguments.overlap, 0, 100, false) / 100;

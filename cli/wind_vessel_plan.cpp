@@ -5,6 +5,7 @@
 
 #include "cli/mandrel_file.h"
 #include "cli/part_file.h"
+#include "cli/ply_winding.h"
 #include "cli/terminal.h"
 #include "cli/wind_commands.h"
 #include "geometry/error.h"
@@ -24,13 +25,26 @@ constexpr double mm_per_m = 1000;
 std::string axis_name(WinderAxis axis) { return axis_names[static_cast<std::size_t>(axis)]; }
 
 struct VesselJob {
-  VesselFile file;
   VesselWinding winding;
-  std::string machine_file;
   MachineProfile machine;
+  std::vector<std::filesystem::path> inputs;    // beside the file itself
+  std::vector<std::vector<std::string>> plies;  // of each layer, where it comes from plies
+  std::string notes;
 };
 
+VesselJob ply_job(const WindArguments& arguments) {
+  PlyWinding plies = read_ply_winding(arguments);
+  if (arguments.machine.empty())
+    throw Error(ErrorCode::usage, "--machine", "is missing; give the machine's file");
+  return {std::move(plies.winding),
+          read_machine(arguments.machine),
+          {arguments.plies, arguments.machine},
+          std::move(plies.plies),
+          plies.notes};
+}
+
 VesselJob read_job(const WindArguments& arguments) {
+  if (!arguments.plies.empty()) return ply_job(arguments);
   VesselFile file = read_vessel(arguments.file);
   const std::string machine = arguments.machine.empty() ? file.machine : arguments.machine;
   if (machine.empty())
@@ -39,7 +53,7 @@ VesselJob read_job(const WindArguments& arguments) {
   MachineProfile profile = read_machine(machine);
   MandrelFile mandrel = read_mandrel(file);
   VesselWinding winding{std::move(mandrel.meridian), file.tow, file.feed_mm_per_min, file.layers};
-  return {std::move(file), std::move(winding), machine, std::move(profile)};
+  return {std::move(winding), std::move(profile), {file.mandrel, machine}, {}, {}};
 }
 
 VesselReport write_job(const VesselJob& job, const WindArguments& arguments,
@@ -59,7 +73,7 @@ Json clamped_json(const ClampedAxis& axis) {
           {"angle_deg", degrees(axis.angle_rad)}, {"loose_angle_deg", degrees(axis.loose_angle_rad)}};
 }
 
-std::string summary_json(const std::string& output, const VesselReport& report) {
+std::string summary_json(const std::string& output, const VesselReport& report, const VesselJob& job) {
   Json layers = Json::array();
   double time = 0, tow = 0;
   for (std::size_t i = 0; i < report.layers.size(); ++i) {
@@ -90,6 +104,7 @@ std::string summary_json(const std::string& output, const VesselReport& report) 
                       {"free_length_mm", {layer.least_free_mm, layer.most_free_mm}},
                       {"backward_turns", layer.backward_turns},
                       {"clamped", clamped}});
+    if (!job.plies.empty()) layers.back()["plies"] = job.plies[i];
   }
   const Json out = {{"output", output},
                     {"commands", report.lines},
@@ -139,6 +154,12 @@ std::string summary_table(const std::string& output, const VesselReport& report)
          short_number(time) + " s, " + short_number(tow) + " m of tow\n";
 }
 
+std::vector<std::filesystem::path> inputs_of(const VesselJob& job, const WindArguments& arguments) {
+  std::vector<std::filesystem::path> inputs{arguments.file};
+  inputs.insert(inputs.end(), job.inputs.begin(), job.inputs.end());
+  return inputs;
+}
+
 }  // namespace
 
 int wind_vessel_plan(const Arguments& arguments) {
@@ -146,16 +167,16 @@ int wind_vessel_plan(const Arguments& arguments) {
   const VesselJob job = read_job(wind);
   const std::string target =
       wind.output.empty() ? std::filesystem::path(wind.file).stem().string() + ".gcode" : wind.output;
-  OutputFile output(target, arguments.force, {wind.file, job.file.mandrel, job.machine_file});
+  OutputFile output(target, arguments.force, inputs_of(job, wind));
   const VesselReport report = write_job(job, wind, [&](std::string_view piece) {
     check_stop();
     output.write(piece);
   });
   output.commit();
   if (arguments.json) {
-    print(summary_json(target, report));
+    print(summary_json(target, report, job));
   } else if (!arguments.quiet) {
-    print(summary_table(target, report));
+    print(job.notes + summary_table(target, report));
   }
   return 0;
 }

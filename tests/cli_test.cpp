@@ -272,6 +272,36 @@ TEST_F(Cli, WindInspectsMandrels) {
   expect_error(run({"wind", "inspect", "word.csv"}), 3, "word.csv:3: r is 'five'; write a number in mm");
 }
 
+// Ply points on a part ask for the very program that a file with their angle asks for.
+TEST_F(Cli, WindPlansPartsByTheirPlies) {
+  const std::string part = samples + "vessel/part.step", machine = samples + "vessel/machine.toml";
+  // at 60 deg, of either sense, on the cylinder of radius 150
+  write("plies.csv",
+        "ply,x,y,z,dx,dy,dz\nA,150,0,100,0,0.8660254037844386,0.5\nB,0,150,120,0.8660254037844386,0,0.5\n");
+  const std::vector<std::string> flags{"--tow-width", "30",    "--thickness", "0.3",
+                                       "--feed",      "12000", "--machine",   machine};
+  const auto plan = [&](std::vector<std::string> words) {
+    words.insert(words.end(), flags.begin(), flags.end());
+    return run(words);
+  };
+  const auto summary =
+      nlohmann::json::parse(plan({"wind", "plan", part, "plies.csv", "-o", "a.gcode", "--json"}).out);
+  ASSERT_EQ(summary["layers"].size(), 1u);
+  EXPECT_EQ(summary["layers"][0]["plies"], nlohmann::json::parse(R"(["A", "B"])"));
+  write("same.toml", "machine = '" + machine + "'\nfeed = 12000\n[mandrel]\nfile = '" + part +
+                         "'\n[tow]\nwidth = 30\nthickness = 0.3\n[[layer]]\nangle = 60\ntolerance = 2\n");
+  run({"wind", "plan", "same.toml", "-o", "b.gcode", "-q"});
+  EXPECT_EQ(content_of(*this / "a.gcode"), content_of(*this / "b.gcode"));
+  EXPECT_HAS(plan({"wind", "plan", part, "plies.csv", "-o", "a.gcode", "--force"}).out,
+             "ply B: layer 1, 60 deg from the axis at the widest place");
+  expect_error(run({"wind", "plan", part, "plies.csv"}), 2, "--tow-width: is missing");
+  expect_error(run({"wind", "plan", part}), 2, "is a part; give its ply points after it");
+  expect_error(run({"wind", "plan", "same.toml", "--feed", "3"}), 2, "--feed: is for a part and plies.csv");
+  write("off.csv", "ply,x,y,z,dx,dy,dz\nA,200,0,100,0,1,0\n");
+  expect_error(plan({"wind", "plan", part, "off.csv"}), 3,
+               "off.csv: ply A has a point (200 0 100) 50 mm off");
+}
+
 TEST_F(Cli, WindPlansAndSimulatesVessels) {
   const std::string vessel = samples + "vessel/vessel.toml", machine = samples + "vessel/machine.toml";
   EXPECT_HAS(run({"wind", "plan", vessel, "-o", "vessel.gcode"}).out, "carriage held at 1000 per s");

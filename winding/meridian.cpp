@@ -101,6 +101,26 @@ MeridianPoint Meridian::at(double t) const {
   return {d.c.x(), d.c.y(), d.d1.x(), d.d1.y(), d.d2.x(), d.d2.y()};
 }
 
+// The nearest of many, and Newton's method.
+double Meridian::nearest(double z_mm, double r_mm) const {
+  constexpr int samples = 64;
+  double best = first(), least = 1e300;
+  for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {
+    for (int k = 0; k <= samples; ++k) {
+      const double t = breaks_[i] + (breaks_[i + 1] - breaks_[i]) * k / samples;
+      const MeridianPoint here = at(t);
+      const double far = std::hypot(here.z_mm - z_mm, here.r_mm - r_mm);
+      if (far < least) least = far, best = t;
+    }
+  }
+  for (int i = 0; i < 20; ++i) {
+    const MeridianPoint here = at(best);
+    best += ((z_mm - here.z_mm) * here.dz + (r_mm - here.r_mm) * here.dr) / (here.speed() * here.speed());
+    best = std::clamp(best, first(), last());
+  }
+  return best;
+}
+
 void Meridian::require_forward() const {
   double z = at(first()).z_mm;
   for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {

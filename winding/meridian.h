@@ -32,6 +32,8 @@ class Meridian {
   const std::vector<double>& breaks() const { return breaks_; }
   const std::vector<BSplineCurve2>& pieces() const { return pieces_; }
   double length_mm() const { return length_mm_; }
+  /// The parameter of the place nearest to (z, r).
+  double nearest(double z_mm, double r_mm) const;
   /// Places of the greatest and the least radius.
   double widest() const { return widest_; }
   double narrowest() const { return narrowest_; }

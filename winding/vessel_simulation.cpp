@@ -12,27 +12,6 @@
 namespace afptraj {
 namespace {
 
-// The parameter of the meridian's place nearest to (z, r): the nearest of many, and Newton's method.
-double nearest(const Meridian& meridian, double z, double r) {
-  constexpr int samples = 64;
-  const std::vector<double>& breaks = meridian.breaks();
-  double best = breaks.front(), least = 1e300;
-  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-    for (int k = 0; k <= samples; ++k) {
-      const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples;
-      const MeridianPoint at = meridian.at(t);
-      const double far = std::hypot(at.z_mm - z, at.r_mm - r);
-      if (far < least) least = far, best = t;
-    }
-  }
-  for (int i = 0; i < 20; ++i) {
-    const MeridianPoint at = meridian.at(best);
-    best += ((z - at.z_mm) * at.dz + (r - at.r_mm) * at.dr) / (at.speed() * at.speed());
-    best = std::clamp(best, meridian.first(), meridian.last());
-  }
-  return best;
-}
-
 // Where passes begin that leave the first end: the first point, and where the path turns from back to there.
 std::vector<double> starts_deg(const std::vector<ContactPoint>& path) {
   std::vector<double> out;
@@ -91,7 +70,7 @@ void measure_eye(const Meridian& meridian, const EyeTravel& travel, LaidTravel& 
 
 LaidTravel simulate_travel(const Meridian& meridian, const WindTow& tow, const EyeTravel& travel) {
   LaidTravel out;
-  const double start = nearest(meridian, travel.start_z_mm, travel.start_r_mm);
+  const double start = meridian.nearest(travel.start_z_mm, travel.start_r_mm);
   out.path = follow_thread(meridian, start, travel.start_turn_rad, travel.eyes, simulation_step_mm);
   if (out.path.empty()) return out;
   out.laid_mm = out.path.back().length_mm;
