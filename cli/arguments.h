@@ -13,7 +13,7 @@ struct JobFlag {
 
 /// What follows `afptraj wind`.
 struct WindArguments {
-  enum class Command { validate, plan, simulate, patterns, inspect };
+  enum class Command { validate, plan, simulate, plot, patterns, inspect };
   Command command = Command::validate;
   std::string file, output, faces, machine;
   std::string plies;  ///< plan of a part: the ply points
@@ -26,6 +26,8 @@ struct WindArguments {
   double tolerance_deg = 2;            ///< patterns, plan of a part
   double thickness_mm = 0, feed_mm_per_min = 0, friction_ratio = 0;  ///< plan of a part
   std::string over_speed;  ///< plan of a vessel or part: "", "clamp" or "refuse"
+  std::string layer_text;  ///< as typed
+  int layer = 0;           ///< plot: from 1; 0: all
   int points = 0;          ///< inspect --json: pieces of the path that is listed
 };
 

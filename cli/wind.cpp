@@ -45,6 +45,8 @@ int wind(const Arguments& arguments) {
       return vessel ? wind_vessel_plan(arguments) : wind_plan(arguments);
     case WindArguments::Command::simulate:
       return wind_simulate(arguments);
+    case WindArguments::Command::plot:
+      return wind_plot(arguments);
     case WindArguments::Command::patterns:
       return std::filesystem::path(arguments.wind.file).extension() == ".wind"
                  ? wind_patterns(arguments)

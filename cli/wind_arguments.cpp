@@ -16,6 +16,7 @@ const char* const wind_examples = R"(Examples:
   afptraj wind plan vessel.toml -o program.gcode
   afptraj wind plan part.step plies.csv --machine winder.toml --tow-width 8 --thickness 0.3 --feed 12000
   afptraj wind simulate program.gcode
+  afptraj wind plot program.gcode
   afptraj wind patterns vessel.wind --angle 54.7 --tolerance 2
   afptraj wind inspect meridian.csv --angle 20
 
@@ -146,6 +147,16 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
   simulate->add_option("file", arguments.file, "the program")->type_name("program.gcode");
   simulate->add_flag("--json", *flags.json, "for machines");
 
+  CLI::App* plot = wind->add_subcommand("plot", "Draws what a program lays, on the unrolled mandrel (SVG).");
+  plot->footer(
+      "Examples:\n  afptraj wind plot program.gcode\n  afptraj wind plot program.gcode --layer 2 -o "
+      "layer2.svg");
+  plot->add_option("file", arguments.file, "the program")->type_name("program.gcode");
+  plot->add_option("--layer", arguments.layer_text, "draw this layer only, from 1 [all]")->type_name("N");
+  plot->add_option("-o,--output", arguments.output, "the picture [<file>.svg]")->type_name("FILE");
+  plot->add_flag("--force", *flags.force, "replace an earlier picture");
+  plot->add_flag("-q,--quiet", *flags.quiet, "print errors only");
+
   CLI::App* patterns =
       add_command(*wind, "patterns", "Lists helical patterns that close, best first.", arguments);
   patterns->footer(
@@ -193,15 +204,14 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
 
 void finish_wind(const CLI::App& command, WindArguments& arguments) {
   using Command = WindArguments::Command;
-  static const std::map<std::string, Command> commands{{"validate", Command::validate},
-                                                       {"plan", Command::plan},
-                                                       {"simulate", Command::simulate},
-                                                       {"patterns", Command::patterns},
-                                                       {"inspect", Command::inspect}};
+  static const std::map<std::string, Command> commands{
+      {"validate", Command::validate}, {"plan", Command::plan},         {"simulate", Command::simulate},
+      {"plot", Command::plot},         {"patterns", Command::patterns}, {"inspect", Command::inspect}};
   arguments.command = commands.at(command.get_name());
   const std::string name = "afptraj wind " + command.get_name();
   if (arguments.file.empty()) {
-    const char* wanted = arguments.command == Command::simulate  ? "program"
+    const char* wanted = arguments.command == Command::simulate || arguments.command == Command::plot
+                             ? "program"
                          : arguments.command == Command::inspect ? "mandrel"
                                                                  : ".wind file";
     throw Error(ErrorCode::usage, name, std::string("needs a ") + wanted + "; see " + name + " --help");
@@ -215,6 +225,8 @@ void finish_wind(const CLI::App& command, WindArguments& arguments) {
     arguments.tow_width_mm = bounded("--tow-width", arguments.tow_width, 0.01, 1000, false);
   if (!arguments.tolerance.empty())
     arguments.tolerance_deg = bounded("--tolerance", arguments.tolerance, 0, 45, false);
+  if (!arguments.layer_text.empty())
+    arguments.layer = static_cast<int>(bounded("--layer", arguments.layer_text, 1, 1000000, true));
   if (!arguments.point_count.empty())
     arguments.points = static_cast<int>(bounded("--points", arguments.point_count, 1, 1000000, true));
   if (arguments.points > 0 && !arguments.angle_deg)

@@ -12,6 +12,7 @@ int wind_plan(const Arguments& arguments);
 int wind_vessel_plan(const Arguments& arguments);
 int wind_vessel_validate(const Arguments& arguments);
 int wind_simulate(const Arguments& arguments);
+int wind_plot(const Arguments& arguments);
 int wind_patterns(const Arguments& arguments);
 int wind_vessel_patterns(const Arguments& arguments);
 int wind_inspect(const Arguments& arguments);

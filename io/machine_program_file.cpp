@@ -52,6 +52,7 @@ class MachineReader {
     }
     end_travel();
     if (!laid_) fail("the program lays nothing; plan it again");
+    result_.meridian = meridian_;
     return std::move(result_);
   }
 

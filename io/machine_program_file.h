@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,7 +21,8 @@ struct SimulatedMachineLayer {
 
 struct SimulatedMachineProgram {
   WindTow tow;
-  std::int64_t commands = 0;  ///< lines without comments
+  std::optional<Meridian> meridian;  ///< of the mandrel; always there where a layer lays something
+  std::int64_t commands = 0;         ///< lines without comments
   std::vector<SimulatedMachineLayer> layers;
 };
 

@@ -294,6 +294,11 @@ TEST_F(Cli, WindPlansPartsByTheirPlies) {
   EXPECT_EQ(content_of(*this / "a.gcode"), content_of(*this / "b.gcode"));
   EXPECT_HAS(plan({"wind", "plan", part, "plies.csv", "-o", "a.gcode", "--force"}).out,
              "ply B: layer 1, 60 deg from the axis at the widest place");
+  EXPECT_HAS(run({"wind", "plot", "a.gcode"}).out, "wrote a.svg");
+  EXPECT_HAS(content_of(*this / "a.svg"), "<title>1 of 1: helical, angle ");
+  expect_error(run({"wind", "plot", "a.gcode"}), 5, "a.svg: exists; give --force");
+  expect_error(run({"wind", "plot", "a.gcode", "--layer", "2", "--force"}), 2,
+               "--layer: is 2; the program has 1");
   expect_error(run({"wind", "plan", part, "plies.csv"}), 2, "--tow-width: is missing");
   expect_error(run({"wind", "plan", part}), 2, "is a part; give its ply points after it");
   expect_error(run({"wind", "plan", "same.toml", "--feed", "3"}), 2, "--feed: is for a part and plies.csv");
