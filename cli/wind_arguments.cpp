@@ -1,5 +1,6 @@
 #include "cli/wind_arguments.h"
 
+#include <filesystem>
 #include <map>
 
 #include "cli/wind_commands.h"
@@ -77,6 +78,10 @@ void check_plies(WindArguments& arguments) {
     }
     return;
   }
+  const std::string kind = std::filesystem::path(arguments.file).extension().string();
+  if (kind == ".wind" || kind == ".toml")
+    throw Error(ErrorCode::usage, arguments.plies,
+                "is one argument too many; a " + kind + " file has its angles, plies.csv is for parts");
   if (!arguments.thickness.empty())
     arguments.thickness_mm = bounded("--thickness", arguments.thickness, 1e-4, 100, false);
   if (!arguments.feed.empty())

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -17,10 +18,14 @@ constexpr std::size_t largest_program = 4'000'000'000;  // bytes
 
 UnrolledBand machine_band(const std::string& file, const std::string& text) {
   const SimulatedMachineProgram program = simulate_machine_text(file, text, check_stop);
-  const Meridian& meridian = *program.meridian;
-  UnrolledBand band{meridian.length_mm(), meridian.at(meridian.widest()).r_mm, {}};
-  for (const SimulatedMachineLayer& layer : program.layers)
-    band.layers.push_back(unrolled_layer(layer.name, meridian, program.tow, layer.laid.path));
+  UnrolledBand band;
+  for (const SimulatedMachineLayer& layer : program.layers) {
+    if (!layer.mandrel) continue;
+    const Meridian& mandrel = *layer.mandrel;
+    band.length_mm = std::max(band.length_mm, mandrel.length_mm());
+    band.radius_mm = std::max(band.radius_mm, mandrel.at(mandrel.widest()).r_mm);
+    band.layers.push_back(unrolled_layer(layer.name, mandrel, program.tow, layer.laid.path));
+  }
   return band;
 }
 

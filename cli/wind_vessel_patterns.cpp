@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "cli/mandrel_file.h"
@@ -21,7 +22,11 @@ VesselQuery query_of(const WindArguments& arguments) {
   std::optional<double> angle_deg = arguments.angle_deg, tow_width_mm = arguments.tow_width_mm;
   if (is_vessel(arguments)) {
     const VesselFile vessel = read_vessel(arguments.file);
-    const VesselLayer& layer = vessel.layers.front();
+    const auto helical = std::find_if(vessel.layers.begin(), vessel.layers.end(),
+                                      [](const VesselLayer& layer) { return !layer.hoop; });
+    const VesselLayer layer = helical == vessel.layers.end() ? VesselLayer{} : *helical;
+    if (helical == vessel.layers.end() && !angle_deg)
+      throw Error(ErrorCode::usage, arguments.file, "has no helical layer; give --angle");
     if (!angle_deg) angle_deg = layer.angle_deg;
     if (!tow_width_mm) tow_width_mm = vessel.tow.width_mm;
     query.steering = layer.steering;

@@ -52,7 +52,8 @@ VesselJob read_job(const WindArguments& arguments) {
                 "names no machine; write machine = \"...\", or give --machine");
   MachineProfile profile = read_machine(machine);
   MandrelFile mandrel = read_mandrel(file);
-  VesselWinding winding{std::move(mandrel.meridian), file.tow, file.feed_mm_per_min, file.layers};
+  VesselWinding winding{std::move(mandrel.meridian), file.tow, file.feed_mm_per_min, file.layers,
+                        file.growth};
   return {std::move(winding), std::move(profile), {file.mandrel, machine}, {}, {}};
 }
 
@@ -73,6 +74,10 @@ Json clamped_json(const ClampedAxis& axis) {
           {"angle_deg", degrees(axis.angle_rad)}, {"loose_angle_deg", degrees(axis.loose_angle_rad)}};
 }
 
+std::string layer_type(const VesselJob& job, std::size_t i) {
+  return job.winding.layers[i].hoop ? "hoop" : "helical";
+}
+
 std::string summary_json(const std::string& output, const VesselReport& report, const VesselJob& job) {
   Json layers = Json::array();
   double time = 0, tow = 0;
@@ -84,7 +89,7 @@ std::string summary_json(const std::string& output, const VesselReport& report, 
     Json clamped = Json::array();
     for (const ClampedAxis& axis : layer.clamped) clamped.push_back(clamped_json(axis));
     layers.push_back({{"index", i + 1},
-                      {"wind_type", "helical"},
+                      {"wind_type", layer_type(job, i)},
                       {"commands", layer.lines},
                       {"time_s", layer.time_s},
                       {"cumulative_time_s", time},
@@ -101,6 +106,7 @@ std::string summary_json(const std::string& output, const VesselReport& report, 
                       {"overlap", pattern.overlap},
                       {"openings_mm", {pattern.opening_first_mm, pattern.opening_last_mm}},
                       {"steering", {pattern.ratio_first, pattern.ratio_last}},
+                      {"thickness_mm", {layer.least_thickness_mm, layer.most_thickness_mm}},
                       {"free_length_mm", {layer.least_free_mm, layer.most_free_mm}},
                       {"backward_turns", layer.backward_turns},
                       {"clamped", clamped}});
@@ -125,10 +131,10 @@ std::string clamped_text(std::size_t layer, const ClampedAxis& axis) {
   return text + "\n";
 }
 
-std::string summary_table(const std::string& output, const VesselReport& report) {
-  Table table({"layer", "angle deg", "circuits", "starts", "", "overlap %", "openings mm", "friction",
+std::string summary_table(const std::string& output, const VesselReport& report, const VesselJob& job) {
+  Table table({"layer", "type", "angle deg", "circuits", "starts", "", "overlap %", "openings mm", "friction",
                "thread mm", "lines", "time s", "laid m"},
-              {true, true, true, true, true, false, true, true, true, true, true, true});
+              {true, false, true, true, true, true, true, false, true, true, true, true, true, true});
   std::string held;
   double time = 0, tow = 0;
   for (std::size_t i = 0; i < report.layers.size(); ++i) {
@@ -136,8 +142,11 @@ std::string summary_table(const std::string& output, const VesselReport& report)
     const VesselPattern& pattern = layer.pattern;
     time += layer.time_s;
     tow += layer.laid_mm / mm_per_m;
-    table.add({std::to_string(i + 1), short_number(pattern.angle_deg, 8), std::to_string(pattern.circuits),
-               std::to_string(pattern.starts), pattern.leading ? "leading" : "lagging",
+    table.add({std::to_string(i + 1), layer_type(job, i), short_number(pattern.angle_deg, 8),
+               std::to_string(pattern.circuits), std::to_string(pattern.starts),
+               job.winding.layers[i].hoop ? ""
+               : pattern.leading          ? "leading"
+                                          : "lagging",
                short_number(100 * pattern.overlap, 3),
                short_number(pattern.opening_first_mm) + ", " + short_number(pattern.opening_last_mm),
                short_number(std::max(std::abs(pattern.ratio_first), std::abs(pattern.ratio_last)), 3),
@@ -176,7 +185,7 @@ int wind_vessel_plan(const Arguments& arguments) {
   if (arguments.json) {
     print(summary_json(target, report, job));
   } else if (!arguments.quiet) {
-    print(job.notes + summary_table(target, report));
+    print(job.notes + summary_table(target, report, job));
   }
   return 0;
 }

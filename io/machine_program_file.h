@@ -1,7 +1,7 @@
 #pragma once
 
 #include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,18 +11,18 @@
 namespace afptraj {
 
 struct SimulatedMachineLayer {
-  std::string name;                 ///< the comment without "Layer "
-  std::int64_t moves = 0;           ///< lines on which an axis moves
-  std::int64_t idle_moves = 0;      ///< lines on which none does
-  std::int64_t backward_turns = 0;  ///< lines on which the mandrel turns back while the tow is fixed
-  double time_s = 0;                ///< by the lines' feeds
+  std::string name;                         ///< the comment without "Layer "
+  std::int64_t moves = 0;                   ///< lines on which an axis moves
+  std::int64_t idle_moves = 0;              ///< lines on which none does
+  std::int64_t backward_turns = 0;          ///< lines on which the mandrel turns back while the tow is fixed
+  double time_s = 0;                        ///< by the lines' feeds
+  std::shared_ptr<const Meridian> mandrel;  ///< on which it is laid
   LaidTravel laid;
 };
 
 struct SimulatedMachineProgram {
   WindTow tow;
-  std::optional<Meridian> meridian;  ///< of the mandrel; always there where a layer lays something
-  std::int64_t commands = 0;         ///< lines without comments
+  std::int64_t commands = 0;  ///< lines without comments
   std::vector<SimulatedMachineLayer> layers;
 };
 

@@ -13,7 +13,11 @@ std::string beside(const std::string& path, const std::filesystem::path& given) 
 
 VesselLayer read_layer(TomlTable& table) {
   VesselLayer layer;
-  table.word("type", {"helical"}, "helical");
+  layer.hoop = table.word("type", {"helical", "hoop"}, "helical") == "hoop";
+  if (layer.hoop) {
+    table.finish();
+    return layer;
+  }
   layer.angle_deg = table.number("angle", 0.1, 89.9);
   if (table.word("angle_from", {"axis", "hoop"}, "axis") == "hoop") layer.angle_deg = 90 - layer.angle_deg;
   layer.tolerance_deg = table.optional_number("tolerance", 0, 45).value_or(layer.tolerance_deg);
@@ -41,6 +45,7 @@ VesselFile read_vessel(const std::string& path) {
   VesselFile vessel;
   if (const auto machine = file.optional_text("machine")) vessel.machine = beside(path, *machine);
   vessel.feed_mm_per_min = file.number("feed", 1e-3, 1e7);
+  vessel.growth = file.flag("growth", true);
   TomlTable mandrel = file.table("mandrel");
   vessel.mandrel = beside(path, mandrel.text("file"));
   vessel.faces = mandrel.optional_text("faces").value_or("");

@@ -321,7 +321,7 @@ TEST_F(Cli, WindPlansAndSimulatesVessels) {
     EXPECT_LT(layer["start_error_deg"], 0.01);
     EXPECT_NEAR(layer["clearance_mm"], 20, 0.01);
   }
-  EXPECT_HAS(run({"wind", "simulate", "vessel.gcode"}).out, "2 of 2: helical, angle 50.27");
+  EXPECT_HAS(run({"wind", "simulate", "vessel.gcode"}).out, "2 of 2: helical, angle 50.25");
   EXPECT_HAS(run({"wind", "patterns", vessel}).out, "20.61");
   EXPECT_HAS(run({"wind", "inspect", vessel}).out, "r 150 mm");
   expect_error(run({"wind", "plan", vessel, "-o", "vessel.gcode"}), 5, "exists; give --force");

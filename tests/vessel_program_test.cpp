@@ -75,7 +75,7 @@ struct PlannedPath {
 
   PlannedPath(const Meridian& meridian, const VesselPattern& pattern, const SteeringRule& rule = {}) {
     const FibrePass pass = PassMaker(meridian, rule).at(pattern.angle_deg).value().pass;
-    const std::vector<FibrePoint> fibre = pass.points(1000);
+    const std::vector<FibrePoint> fibre = pass.points(rule.on_widest ? 6000 : 1000);
     for (std::int64_t k = 0; k < pattern.circuits; ++k) {
       const double turn = 2 * static_cast<double>(k) * pass.turn_rad(),
                    length = 2 * static_cast<double>(k) * pass.length_mm();
@@ -127,7 +127,9 @@ Written expect_rebuilt(const VesselWinding& winding, const MachineProfile& profi
   for (std::size_t i = 0; i < program.simulated.layers.size(); ++i) {
     SteeringRule rule = winding.layers[i].steering;
     rule.tow_width_mm = winding.tow.width_mm;
-    expect_rebuilt(winding.meridian, program.report.layers[i], program.simulated.layers[i].laid, rule);
+    if (winding.layers[i].hoop) rule = hoop_rule(program.report.layers[i].pattern.angle_deg, winding.tow);
+    expect_rebuilt(*program.report.layers[i].mandrel, program.report.layers[i],
+                   program.simulated.layers[i].laid, rule);
     EXPECT_EQ(program.simulated.layers[i].backward_turns, 0);
     EXPECT_EQ(program.simulated.layers[i].idle_moves, 0);
   }
@@ -163,6 +165,34 @@ TEST(VesselProgram, IsRebuiltWhenSteered) {
   EXPECT_EQ(on_tube.simulated.layers[0].laid.coverage.covered_share, 1);
   // what runs one way touches side by side where the angle stays, and hardly parts where it changes
   EXPECT_GT(on_tube.simulated.layers[0].laid.one_way.covered_share, 0.999);
+}
+
+// Each layer on what those before it have left, hoops among them.
+TEST(VesselProgram, IsRebuiltOnGrownMandrels) {
+  VesselLayer hoop, helical{35, 6, 0.3};
+  hoop.hoop = true;
+  const Meridian tank = test::vessel(60, 130, 40);
+  VesselWinding winding = winding_of(tank, {helical, hoop, helical}, 30);
+  const Written program = expect_rebuilt(winding, machine());
+  ASSERT_EQ(program.report.layers.size(), 3u);
+  const auto radius = [&](std::size_t i) {
+    const Meridian& mandrel = *program.report.layers[i].mandrel;
+    return mandrel.at(mandrel.nearest(60, 62)).r_mm;
+  };
+  // two tows and their overlap; two tows
+  EXPECT_NEAR(radius(1), 60 + 0.6 * (1 + program.report.layers[0].pattern.overlap), 1e-9);
+  EXPECT_NEAR(radius(2), radius(1) + 0.6, 1e-9);
+  // the simulation stops a step before the last turn of the hoops is round
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_GT(program.simulated.layers[i].laid.coverage.covered_share, 0.9999);
+  // a screw each way, one turn by tow's width between the last tows' middles, but for its four ends, where
+  // half a turn takes (nearly) half the way that it has on the screw
+  const double turns = std::ceil((130 - 30) / 30.0);
+  EXPECT_NEAR(program.report.layers[1].pattern.turn_deg, 2 * 360 * turns + 4 * 90, 1);
+  winding.growth = false;
+  const Written still = written(winding, machine());
+  EXPECT_EQ(still.report.layers[2].mandrel->at(1.5).r_mm, 60);
+  EXPECT_EQ(still.text.find("Mandrel grown"), std::string::npos);
 }
 
 // Domes from a table, whose splines meet the cylinder in a slight edge. `slant` sharpens it.
@@ -214,6 +244,10 @@ TEST(VesselProgram, RefusesWhatCannotBeWound) {
   expect_has(refusal(winding_of(tank, {{20, 2, 0.1}, {40, 0, 0.1}}), machine()),
              "layer 2: no pattern closes");
   expect_has(refusal(winding_of(tank, {{20, 2, 0.1, 7, 3}}), machine()), "the first that does has ");
+  VesselLayer hoop;
+  hoop.hoop = true;
+  expect_has(refusal(winding_of(test::vessel(100, 40, 60), {hoop}), machine()),
+             "layer 1: the mandrel's cylinder is shorter than two tows");
   expect_has(refusal(winding_of(tank, {{20, 2, 0.1}}), two_axes(110)), "machine: its eye stands 110 mm");
   MachineProfile small = machine();
   small.axes[0]->lowest = 0;

@@ -57,6 +57,14 @@ std::string refusal(const std::string& content) {
   return "";
 }
 
+TEST(VesselToml, ReadsHoopsAndGrowth) {
+  const std::string hoops = two_layers + "[[layer]]\ntype = 'hoop'\n";
+  EXPECT_TRUE(read(hoops).growth);
+  EXPECT_FALSE(read("growth = false\n" + hoops).growth);
+  EXPECT_FALSE(read(hoops).layers[1].hoop);
+  EXPECT_TRUE(read(hoops).layers[2].hoop);
+}
+
 TEST(VesselToml, NamesEveryDefect) {
   const struct {
     std::string what, instead, message;
@@ -66,7 +74,8 @@ TEST(VesselToml, NamesEveryDefect) {
       {"width = 8", "width = -8", "vessel.toml:6:1: 'width' in [tow] is -8; it must lie in"},
       {"[mandrel]\nfile = 'tank.csv'\n", "", "the file lacks 'mandrel'"},
       {"tolerance = 2", "tolerence = 2", "did you mean 'tolerance'?"},
-      {"'helical'", "'hoop'", "'hoop'"},
+      {"'helical'", "'hoop'", "unknown key 'angle' in [[layer]] number 2"},
+      {"feed = 9000", "growth = 1\nfeed = 9000", "'growth' in the file must be true or false"},
       {"'hoop'\n", "'pole'\n", "'pole'"},
       {"angle = 20", "angle = 90", "'angle' in [[layer]] number 1 is 90"},
       {"circuits = 80", "circuits = 1", "circuits"},

@@ -45,17 +45,17 @@ std::vector<double> places(const Meridian& meridian, double from, bool forward) 
   return out;
 }
 
-// Where the meridian has gone `way_mm` from an end inwards.
-double inset_t(const Meridian& meridian, double way_mm, bool from_last) {
-  std::vector<double> stops = places(meridian, from_last ? meridian.first() : meridian.last(), from_last);
+// Where the meridian has gone `way_mm` from a place on.
+double place_beside(const Meridian& meridian, double from, double way_mm, bool forward) {
+  const std::vector<double> stops = places(meridian, from, forward);
   double gone = 0;
-  for (std::size_t i = stops.size() - 1; i > 0; --i) {
-    const double a = stops[i], b = stops[i - 1];
+  for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
+    const double a = stops[i], b = stops[i + 1];
     const double way = std::abs(gauss_legendre([&](double t) { return meridian.at(t).speed(); }, a, b));
     if (gone + way >= way_mm) return a + (b - a) * (way_mm - gone) / way;
     gone += way;
   }
-  return stops.front();
+  return stops.back();
 }
 
 std::string end_name(bool forward) { return forward ? "the last end" : "the first end"; }
@@ -92,12 +92,18 @@ PassMaker::Side PassMaker::side(bool forward) const {
   for (const double t : stops) {
     const double r = meridian_.at(t).r_mm;
     if (out.least_mm >= rule_.tow_width_mm / 2) out.end_t = t;
-    widest = widest && r >= R_ * (1 - 1e-9);
+    widest = widest && r >= R_ * (1 - 1e-6);
     if (widest) out.edge_t = t;
     out.least_mm = std::min(out.least_mm, r);
   }
+  if (rule_.on_widest) {
+    out.least_mm = R_;
+    out.turn_t = place_beside(meridian_, out.edge_t, rule_.tow_width_mm / 2, !forward);
+    return out;
+  }
   if (!out.opening_mm) {
-    out.turn_t = inset_t(meridian_, rule_.tow_width_mm / 2, forward);
+    out.turn_t = place_beside(meridian_, forward ? meridian_.last() : meridian_.first(),
+                              rule_.tow_width_mm / 2, !forward);
     return out;
   }
   const double wanted = *out.opening_mm;

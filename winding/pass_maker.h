@@ -13,6 +13,7 @@ struct SteeringRule {
       0;  ///< greatest ratio of geodesic to normal curvature at which the tow stays; 0: geodesics
   std::optional<double> opening_first_mm = {}, opening_last_mm = {};  ///< radii at which it is to turn
   double tow_width_mm = 0;
+  bool on_widest = false;  ///< turns on the widest stretch, half a tow before its ends: hoops
 };
 
 /// A pass that turns at both ends, and the ratios by which it is steered towards each: positive towards hoop.
@@ -38,6 +39,10 @@ class PassMaker {
   std::optional<SteeredPass> at(double angle_deg) const;
   /// Why there is none; what would do.
   std::string refusal(double angle_deg) const;
+  /// The ends of the widest stretch: parameters of the meridian.
+  double widest_first_t() const { return first_.edge_t; }
+  double widest_last_t() const { return last_.edge_t; }
+
   /// Below it tows cross the axis where they turn.
   double least_angle_deg() const;
 

@@ -16,15 +16,19 @@ namespace {
 std::vector<double> starts_deg(const std::vector<ContactPoint>& path) {
   std::vector<double> out;
   constexpr double square = std::numbers::pi / 2;
+  constexpr double surely_back_rad = 0.01;  // where a fibre turns slowly its angle may waver
+  bool back = false;
   if (path.front().angle_rad <= square + 1e-6) out.push_back(degrees(path.front().turn_rad));
   for (std::size_t i = 1; i < path.size(); ++i) {
     const double a = path[i - 1].angle_rad - square, b = path[i].angle_rad - square;
     // what turns beside the beginning is the beginning, and beside the end no start any more
     const double margin = 2 * simulation_step_mm;
-    if (!(a > 0 && b <= 0) || path[i].length_mm < margin ||
+    back = back || a > surely_back_rad;
+    if (!(back && a > 0 && b <= 0) || path[i].length_mm < margin ||
         path[i].length_mm > path.back().length_mm - margin)
       continue;
     const double share = a / (a - b);
+    back = false;
     out.push_back(degrees(path[i - 1].turn_rad + share * (path[i].turn_rad - path[i - 1].turn_rad)));
   }
   return out;
