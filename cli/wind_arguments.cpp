@@ -94,6 +94,7 @@ void check_machine(const WindArguments& arguments) {
   const std::string& how = arguments.over_speed;
   if (!how.empty() && how != "refuse" && how != "clamp")
     throw Error(ErrorCode::usage, "--over-speed", "'" + printable(how) + "' is unknown; use clamp or refuse");
+  if (arguments.command == WindArguments::Command::simulate) return;
   const bool vessel = is_vessel(arguments);
   for (const auto& [flag, text] :
        {std::pair{"--machine", &arguments.machine}, {"--over-speed", &arguments.over_speed}}) {
@@ -150,6 +151,11 @@ CLI::App* add_wind_commands(CLI::App& app, WindArguments& arguments, const WindF
   simulate->footer(
       "Examples:\n  afptraj wind simulate program.gcode\n  afptraj wind simulate program.gcode --json");
   simulate->add_option("file", arguments.file, "the program")->type_name("program.gcode");
+  simulate
+      ->add_option(
+          "--machine", arguments.machine,
+          "of a vessel's program: tell where an axis is too fast for this machine, or leaves its travel")
+      ->type_name("machine.toml");
   simulate->add_flag("--json", *flags.json, "for machines");
 
   CLI::App* plot = wind->add_subcommand("plot", "Draws what a program lays, on the unrolled mandrel (SVG).");

@@ -197,12 +197,28 @@ class MachineReader {
       return;
     }
     if (!(feed_ > 0)) fail("moves without a feed; write F");
+    const double seconds = 60 * (inverse_time_ ? 1 : std::sqrt(square)) / feed_;
+    use_axes(now, to, seconds);
     ++now.moves;
-    now.time_s += 60 * (inverse_time_ ? 1 : std::sqrt(square)) / feed_;
+    now.time_s += seconds;
     if (laying_ && value(to, WinderAxis::mandrel) < value(axes_, WinderAxis::mandrel)) ++now.backward_turns;
     axes_ = to;
     if (laying_) travel_.eyes.push_back(eye());
     if (between_ && now.moves % 10000 == 0) between_();
+  }
+
+  void use_axes(SimulatedMachineLayer& now, const AxisValues& to, double seconds) {
+    for (std::size_t i = 0; i < winder_axes; ++i) {
+      AxisUse& use = now.axes[i];
+      use.lowest = now.moves == 0 ? to[i] : std::min(use.lowest, to[i]);
+      use.highest = now.moves == 0 ? to[i] : std::max(use.highest, to[i]);
+      // what is shorter than the text's digits tells no speed
+      constexpr double digits = 1e-5;
+      const double way = std::abs(to[i] - axes_[i]);
+      if (way < digits || way / seconds <= use.fastest_per_s) continue;
+      use.fastest_per_s = way / seconds;
+      use.fastest_line = line_;
+    }
   }
 
   void declare(std::string_view line) {

@@ -294,6 +294,17 @@ TEST_F(Cli, WindPlansPartsByTheirPlies) {
   EXPECT_EQ(content_of(*this / "a.gcode"), content_of(*this / "b.gcode"));
   EXPECT_HAS(plan({"wind", "plan", part, "plies.csv", "-o", "a.gcode", "--force"}).out,
              "ply B: layer 1, 60 deg from the axis at the widest place");
+  EXPECT_EQ(nlohmann::json::parse(
+                run({"wind", "simulate", "a.gcode", "--json", "--machine", machine}).out)["violations"]
+                .size(),
+            0u);
+  std::string slow = content_of(machine);
+  slow.replace(slow.find("speed = 1000"), 12, "speed = 40  ");
+  slow.replace(slow.find("[0, 400]"), 8, "[0, 160]");
+  const std::string beyond = run({"wind", "simulate", "a.gcode", "--machine", write("slow.toml", slow)}).out;
+  EXPECT_HAS(beyond, "layer 1: carriage runs at ");
+  EXPECT_HAS(beyond, ", the machine's does 40\n");
+  EXPECT_HAS(beyond, "layer 1: cross_feed goes to 170, the machine's to 160\n");
   EXPECT_HAS(run({"wind", "plot", "a.gcode"}).out, "wrote a.svg");
   EXPECT_HAS(content_of(*this / "a.svg"), "<title>1 of 1: helical, angle ");
   expect_error(run({"wind", "plot", "a.gcode"}), 5, "a.svg: exists; give --force");
