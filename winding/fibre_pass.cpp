@@ -125,9 +125,9 @@ double FibrePass::rate(Quantity quantity, double phi) const {
 
 double FibrePass::over(Quantity quantity, double phi0, double phi1) const {
   std::vector<double> stops{phi0};
-  for (const double t : breaks_) {
-    if (t <= first_.t || t >= last_.t) continue;
-    const double phi = phase(t);
+  const double from = std::max(parameter(phi0), first_.t), to = std::min(parameter(phi1), last_.t);
+  for (auto t = std::upper_bound(breaks_.begin(), breaks_.end(), from); t != breaks_.end() && *t < to; ++t) {
+    const double phi = phase(*t);
     if (phi > phi0 && phi < phi1) stops.push_back(phi);
   }
   stops.push_back(phi1);
