@@ -9,7 +9,8 @@
 namespace afptraj {
 namespace {
 
-constexpr int samples_per_span = 32;  // where a turn is looked for
+// Where a turn is looked for: so many places on a meridian, some on each of its polynomials at least.
+constexpr std::size_t samples = 512, fewest_by_span = 4, most_by_span = 32;
 
 }  // namespace
 
@@ -61,13 +62,15 @@ PassEnd FibrePass::end_of(double from, bool forward) const {
     const MeridianPoint at = meridian_.at(t);
     return PassEnd{t, at.z_mm, at.r_mm, turns};
   };
+  const std::size_t by_span = std::clamp(samples / breaks_.size(), fewest_by_span, most_by_span);
   std::vector<double> stops{from};
   std::vector<double> breaks = breaks_;
   if (!forward) std::reverse(breaks.begin(), breaks.end());
   for (const double t : breaks) {
     if (forward ? t <= from : t >= from) continue;
     const double start = stops.back();
-    for (int k = 1; k <= samples_per_span; ++k) stops.push_back(start + (t - start) * k / samples_per_span);
+    for (std::size_t k = 1; k <= by_span; ++k)
+      stops.push_back(start + (t - start) * static_cast<double>(k) / static_cast<double>(by_span));
   }
   for (std::size_t i = 1; i < stops.size(); ++i) {
     if (forward ? stops[i] >= known : stops[i] <= known) return end_at(known, true);
