@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "geometry/bspline_curve.h"
@@ -39,12 +40,21 @@ class Meridian {
   double narrowest() const { return narrowest_; }
 
  private:
+  // A span between breaks by powers of u = (t - middle) / half in [-1, 1]: z w, r w, and w where it is
+  // rational.
+  struct Span {
+    double middle = 0, half = 0;
+    std::vector<std::array<double, 3>> powers;  // none where the degree is high: then the B-spline is asked
+    bool rational = false;
+  };
+  static Span span_of(const BSplineCurve2& piece, double start, double from, double to);
   void require_forward() const;
   double extreme(double sign) const;
 
   std::vector<BSplineCurve2> pieces_;
   std::vector<double> starts_;  // parameter where each piece begins, and where the last ends
   std::vector<double> breaks_;
+  std::vector<Span> spans_;
   double length_mm_ = 0, widest_ = 0, narrowest_ = 0;
 };
 
