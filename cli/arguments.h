@@ -13,17 +13,22 @@ struct JobFlag {
 
 /// What follows `afptraj wind`.
 struct WindArguments {
-  enum class Command { validate, plan, simulate, patterns, inspect };
+  enum class Command { validate, plan, simulate, plot, patterns, inspect };
   Command command = Command::validate;
   std::string file, output, faces, machine;
+  std::string plies;  ///< plan of a part: the ply points
   bool fiberpath = false;
   std::string angle, angle_from, tolerance, tow_width, overlap, point_count;  ///< as typed
+  std::string thickness, feed, friction;                                      ///< as typed
   std::optional<double> angle_deg;     ///< from the axis; none, in patterns: that of the first helical layer
-  std::optional<double> tow_width_mm;  ///< patterns on a mandrel
-  double most_overlap = 0.1;           ///< patterns on a mandrel
-  double tolerance_deg = 2;            ///< patterns
-  std::string over_speed;              ///< plan of a vessel: "", "clamp" or "refuse"
-  int points = 0;                      ///< inspect --json: pieces of the path that is listed
+  std::optional<double> tow_width_mm;  ///< patterns on a mandrel, plan of a part
+  double most_overlap = 0.1;           ///< patterns on a mandrel, plan of a part
+  double tolerance_deg = 2;            ///< patterns, plan of a part
+  double thickness_mm = 0, feed_mm_per_min = 0, friction_ratio = 0;  ///< plan of a part
+  std::string over_speed;  ///< plan of a vessel or part: "", "clamp" or "refuse"
+  std::string layer_text;  ///< as typed
+  int layer = 0;           ///< plot: from 1; 0: all
+  int points = 0;          ///< inspect --json: pieces of the path that is listed
 };
 
 /// What follows `afptraj fill`.

@@ -8,7 +8,6 @@
 #include "io/meridian_csv.h"
 #include "io/text_file.h"
 #include "io/wind_file.h"
-#include "winding/skin_mandrel.h"
 
 namespace afptraj::cli {
 namespace {
@@ -40,24 +39,29 @@ std::vector<int> mandrel_faces(const std::shared_ptr<const Part>& part, const st
 Json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 MandrelFile mandrel_of_part(const WindArguments& arguments) {
-  const auto part = std::make_shared<const Part>(read_part(arguments.file, {}).part);
-  const Skin skin(part, mandrel_faces(part, arguments.faces));
-  // As good as a STEP file's own joints are.
-  constexpr double tolerance_mm = 0.01;
-  try {
-    const SkinMandrel found = mandrel_from_skin(skin, tolerance_mm);
-    return {found.meridian,
-            {{"axis_origin", vector_json(found.origin)},
-             {"axis_direction", vector_json(found.direction)},
-             {"deviation_mm", found.deviation_mm}},
-            "axis       deviation from a surface of revolution at most " +
-                short_number(found.deviation_mm, 3) + " mm\n"};
-  } catch (const Error& e) {
-    throw Error(e.code(), arguments.file, e.what());
-  }
+  const SkinMandrel found = read_part_mandrel(arguments.file, arguments.faces);
+  return {found.meridian,
+          {{"axis_origin", vector_json(found.origin)},
+           {"axis_direction", vector_json(found.direction)},
+           {"deviation_mm", found.deviation_mm}},
+          "axis       deviation from a surface of revolution at most " + short_number(found.deviation_mm, 3) +
+              " mm\n"};
 }
 
 }  // namespace
+
+SkinMandrel read_part_mandrel(const std::string& path, const std::string& list) {
+  require_readable_file(path);
+  const auto part = std::make_shared<const Part>(read_part(path, {}).part);
+  const Skin skin(part, mandrel_faces(part, list));
+  // As good as a STEP file's own joints are.
+  constexpr double tolerance_mm = 0.01;
+  try {
+    return mandrel_from_skin(skin, tolerance_mm);
+  } catch (const Error& e) {
+    throw Error(e.code(), path, e.what());
+  }
+}
 
 MandrelFile read_mandrel(const VesselFile& vessel) {
   WindArguments mandrel;
@@ -74,7 +78,6 @@ MandrelFile read_mandrel(const WindArguments& arguments) {
     return read_mandrel(read_vessel(arguments.file));
   }
   if (kind != ".wind" && kind != ".csv") {
-    require_readable_file(arguments.file);
     return mandrel_of_part(arguments);
   }
   if (!arguments.faces.empty())

@@ -5,7 +5,7 @@
 
 #include "cli/arguments.h"
 #include "io/vessel_toml.h"
-#include "winding/meridian.h"
+#include "winding/skin_mandrel.h"
 
 namespace afptraj::cli {
 
@@ -15,6 +15,9 @@ struct MandrelFile {
   nlohmann::ordered_json source = nlohmann::ordered_json::object();
   std::string text;
 };
+
+/// The mandrel that the faces of a part make: those named in `list`, or all that are not plane.
+SkinMandrel read_part_mandrel(const std::string& path, const std::string& list);
 
 /// From a meridian (.csv), the mandrel of a `.wind` or vessel file (.toml), or a part (anything else: STEP).
 MandrelFile read_mandrel(const WindArguments& arguments);

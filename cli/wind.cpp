@@ -21,8 +21,19 @@ WindDefinition read_sound_definition(const WindArguments& arguments) {
 }
 
 bool is_vessel(const WindArguments& arguments) {
-  return std::filesystem::path(arguments.file).extension() == ".toml";
+  return std::filesystem::path(arguments.file).extension() == ".toml" || !arguments.plies.empty();
 }
+
+namespace {
+
+void refuse_part_alone(const WindArguments& arguments) {
+  const std::string kind = std::filesystem::path(arguments.file).extension().string();
+  if (arguments.plies.empty() && (kind == ".step" || kind == ".stp" || kind == ".STEP" || kind == ".STP"))
+    throw Error(ErrorCode::usage, arguments.file,
+                "is a part; give its ply points after it (plies.csv), or a winding that names it (.toml)");
+}
+
+}  // namespace
 
 int wind(const Arguments& arguments) {
   const bool vessel = is_vessel(arguments.wind);
@@ -30,9 +41,12 @@ int wind(const Arguments& arguments) {
     case WindArguments::Command::validate:
       return vessel ? wind_vessel_validate(arguments) : wind_validate(arguments);
     case WindArguments::Command::plan:
+      refuse_part_alone(arguments.wind);
       return vessel ? wind_vessel_plan(arguments) : wind_plan(arguments);
     case WindArguments::Command::simulate:
       return wind_simulate(arguments);
+    case WindArguments::Command::plot:
+      return wind_plot(arguments);
     case WindArguments::Command::patterns:
       return std::filesystem::path(arguments.wind.file).extension() == ".wind"
                  ? wind_patterns(arguments)

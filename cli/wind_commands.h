@@ -12,12 +12,13 @@ int wind_plan(const Arguments& arguments);
 int wind_vessel_plan(const Arguments& arguments);
 int wind_vessel_validate(const Arguments& arguments);
 int wind_simulate(const Arguments& arguments);
+int wind_plot(const Arguments& arguments);
 int wind_patterns(const Arguments& arguments);
 int wind_vessel_patterns(const Arguments& arguments);
 int wind_inspect(const Arguments& arguments);
 int print_simulated(const SimulatedMachineProgram& program, const Arguments& arguments);
 
-/// Whether the file is a winding of a mandrel with a meridian (.toml).
+/// Whether it is a winding of a mandrel with a meridian: a .toml file, or a part and plies.
 bool is_vessel(const WindArguments& arguments);
 
 WindMode wind_mode(const WindArguments& arguments);

@@ -3,6 +3,7 @@
 #include "cli/part_file.h"
 #include "cli/terminal.h"
 #include "cli/wind_commands.h"
+#include "geometry/error.h"
 #include "io/program_file.h"
 #include "io/text_file.h"
 
@@ -74,6 +75,8 @@ int wind_simulate(const Arguments& arguments) {
   const std::string text = read_file(file, largest_program);
   if (is_machine_program(text))
     return print_simulated(simulate_machine_text(file, text, check_stop), arguments);
+  if (!arguments.wind.machine.empty())
+    throw Error(ErrorCode::usage, "--machine", "is for programs of vessels (.toml); leave it out");
   const SimulatedProgram program = simulate_text(file, text, check_stop);
   print(arguments.json ? json_text(program) : table_text(program));
   return 0;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "cli/mandrel_file.h"
@@ -13,26 +14,33 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t shown_rows = 20;
 
-// A vessel's file says what the flags do not.
-WindArguments completed(WindArguments arguments) {
-  if (!is_vessel(arguments)) return arguments;
-  const VesselFile vessel = read_vessel(arguments.file);
-  if (!arguments.angle_deg) arguments.angle_deg = vessel.layers.front().angle_deg;
-  if (!arguments.tow_width_mm) arguments.tow_width_mm = vessel.tow.width_mm;
-  return arguments;
+// The flags; what they do not say is that of a vessel's file and its first layer.
+VesselQuery query_of(const WindArguments& arguments) {
+  VesselQuery query;
+  query.tolerance_deg = arguments.tolerance_deg;
+  query.most_overlap = arguments.most_overlap;
+  std::optional<double> angle_deg = arguments.angle_deg, tow_width_mm = arguments.tow_width_mm;
+  if (is_vessel(arguments)) {
+    const VesselFile vessel = read_vessel(arguments.file);
+    const auto helical = std::find_if(vessel.layers.begin(), vessel.layers.end(),
+                                      [](const VesselLayer& layer) { return !layer.hoop; });
+    const VesselLayer layer = helical == vessel.layers.end() ? VesselLayer{} : *helical;
+    if (helical == vessel.layers.end() && !angle_deg)
+      throw Error(ErrorCode::usage, arguments.file, "has no helical layer; give --angle");
+    if (!angle_deg) angle_deg = layer.angle_deg;
+    if (!tow_width_mm) tow_width_mm = vessel.tow.width_mm;
+    query.steering = layer.steering;
+  }
+  if (!angle_deg)
+    throw Error(ErrorCode::usage, "--angle", "is missing; give the winding angle at the widest place");
+  if (!tow_width_mm) throw Error(ErrorCode::usage, "--tow-width", "is missing; give the width of the tow");
+  query.angle_deg = *angle_deg;
+  query.tow_width_mm = *tow_width_mm;
+  return query;
 }
 
-VesselQuery query_of(const WindArguments& arguments) {
-  if (!arguments.angle_deg)
-    throw Error(ErrorCode::usage, "--angle", "is missing; give the winding angle at the widest place");
-  if (!arguments.tow_width_mm)
-    throw Error(ErrorCode::usage, "--tow-width", "is missing; give the width of the tow");
-  VesselQuery query;
-  query.angle_deg = *arguments.angle_deg;
-  query.tolerance_deg = arguments.tolerance_deg;
-  query.tow_width_mm = *arguments.tow_width_mm;
-  query.most_overlap = arguments.most_overlap;
-  return query;
+double friction_of(const VesselPattern& pattern) {
+  return std::max(std::abs(pattern.ratio_first), std::abs(pattern.ratio_last));
 }
 
 std::string json_text(const VesselQuery& query, const std::vector<VesselPattern>& found) {
@@ -47,6 +55,7 @@ std::string json_text(const VesselQuery& query, const std::vector<VesselPattern>
                     {"turn_deg", pattern.turn_deg},
                     {"length_mm", pattern.length_mm},
                     {"openings_mm", {pattern.opening_first_mm, pattern.opening_last_mm}},
+                    {"friction", friction_of(pattern)},
                     {"overlap", pattern.overlap}});
   }
   const Json out = {{"angle_deg", query.angle_deg},
@@ -57,9 +66,9 @@ std::string json_text(const VesselQuery& query, const std::vector<VesselPattern>
 }
 
 std::string table_text(const VesselQuery& query, const std::vector<VesselPattern>& found) {
-  Table table(
-      {"windAngle", "error deg", "circuits", "starts", "", "turn deg", "tow m", "openings mm", "overlap %"},
-      {true, true, true, true, false, true, true, true, true});
+  Table table({"windAngle", "error deg", "circuits", "starts", "", "turn deg", "tow m", "openings mm",
+               "friction", "overlap %"},
+              {true, true, true, true, false, true, true, true, true, true});
   for (std::size_t i = 0; i < std::min(found.size(), shown_rows); ++i) {
     const VesselPattern& pattern = found[i];
     table.add({short_number(pattern.angle_deg, 8), short_number(pattern.angle_deg - query.angle_deg, 4),
@@ -67,7 +76,7 @@ std::string table_text(const VesselQuery& query, const std::vector<VesselPattern
                pattern.leading ? "leading" : "lagging", short_number(pattern.turn_deg, 8),
                short_number(pattern.length_mm * static_cast<double>(pattern.circuits) / 1000),
                short_number(pattern.opening_first_mm) + ", " + short_number(pattern.opening_last_mm),
-               short_number(100 * pattern.overlap, 3)});
+               short_number(friction_of(pattern), 3), short_number(100 * pattern.overlap, 3)});
   }
   std::string text = table.text();
   if (found.size() > shown_rows)
@@ -78,22 +87,11 @@ std::string table_text(const VesselQuery& query, const std::vector<VesselPattern
 }  // namespace
 
 int wind_vessel_patterns(const Arguments& arguments) {
-  const VesselQuery query = query_of(completed(arguments.wind));
+  const VesselQuery query = query_of(arguments.wind);
   const MandrelFile mandrel = read_mandrel(arguments.wind);
-  const double least = least_angle_deg(mandrel.meridian, query.tow_width_mm);
-  if (query.angle_deg + query.tolerance_deg < least) {
-    throw Error(
-        ErrorCode::no_path, arguments.wind.file,
-        "the polar opening at this angle is smaller than the tow; the least possible winding angle is " +
-            short_number(std::ceil(least * 1e4) / 1e4, 6) + " deg");
-  }
   const std::vector<VesselPattern> found = find_vessel_patterns(mandrel.meridian, query);
-  if (found.empty()) {
-    throw Error(
-        ErrorCode::no_path, arguments.wind.file,
-        "no pattern closes within the tolerance; give a larger --tolerance, or an angle at which a geodesic "
-        "turns at both ends (afptraj wind inspect)");
-  }
+  if (found.empty())
+    throw Error(ErrorCode::no_path, arguments.wind.file, patterns_refusal(mandrel.meridian, query));
   print(arguments.json ? json_text(query, found) : table_text(query, found));
   return 0;
 }

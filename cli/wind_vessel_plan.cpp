@@ -1,8 +1,11 @@
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cli/mandrel_file.h"
 #include "cli/part_file.h"
+#include "cli/ply_winding.h"
 #include "cli/terminal.h"
 #include "cli/wind_commands.h"
 #include "geometry/error.h"
@@ -22,13 +25,26 @@ constexpr double mm_per_m = 1000;
 std::string axis_name(WinderAxis axis) { return axis_names[static_cast<std::size_t>(axis)]; }
 
 struct VesselJob {
-  VesselFile file;
   VesselWinding winding;
-  std::string machine_file;
   MachineProfile machine;
+  std::vector<std::filesystem::path> inputs;    // beside the file itself
+  std::vector<std::vector<std::string>> plies;  // of each layer, where it comes from plies
+  std::string notes;
 };
 
+VesselJob ply_job(const WindArguments& arguments) {
+  PlyWinding plies = read_ply_winding(arguments);
+  if (arguments.machine.empty())
+    throw Error(ErrorCode::usage, "--machine", "is missing; give the machine's file");
+  return {std::move(plies.winding),
+          read_machine(arguments.machine),
+          {arguments.plies, arguments.machine},
+          std::move(plies.plies),
+          plies.notes};
+}
+
 VesselJob read_job(const WindArguments& arguments) {
+  if (!arguments.plies.empty()) return ply_job(arguments);
   VesselFile file = read_vessel(arguments.file);
   const std::string machine = arguments.machine.empty() ? file.machine : arguments.machine;
   if (machine.empty())
@@ -36,8 +52,9 @@ VesselJob read_job(const WindArguments& arguments) {
                 "names no machine; write machine = \"...\", or give --machine");
   MachineProfile profile = read_machine(machine);
   MandrelFile mandrel = read_mandrel(file);
-  VesselWinding winding{std::move(mandrel.meridian), file.tow, file.feed_mm_per_min, file.layers};
-  return {std::move(file), std::move(winding), machine, std::move(profile)};
+  VesselWinding winding{std::move(mandrel.meridian), file.tow, file.feed_mm_per_min, file.layers,
+                        file.growth};
+  return {std::move(winding), std::move(profile), {file.mandrel, machine}, {}, {}};
 }
 
 VesselReport write_job(const VesselJob& job, const WindArguments& arguments,
@@ -57,7 +74,11 @@ Json clamped_json(const ClampedAxis& axis) {
           {"angle_deg", degrees(axis.angle_rad)}, {"loose_angle_deg", degrees(axis.loose_angle_rad)}};
 }
 
-std::string summary_json(const std::string& output, const VesselReport& report) {
+std::string layer_type(const VesselJob& job, std::size_t i) {
+  return job.winding.layers[i].hoop ? "hoop" : "helical";
+}
+
+std::string summary_json(const std::string& output, const VesselReport& report, const VesselJob& job) {
   Json layers = Json::array();
   double time = 0, tow = 0;
   for (std::size_t i = 0; i < report.layers.size(); ++i) {
@@ -68,7 +89,7 @@ std::string summary_json(const std::string& output, const VesselReport& report) 
     Json clamped = Json::array();
     for (const ClampedAxis& axis : layer.clamped) clamped.push_back(clamped_json(axis));
     layers.push_back({{"index", i + 1},
-                      {"wind_type", "helical"},
+                      {"wind_type", layer_type(job, i)},
                       {"commands", layer.lines},
                       {"time_s", layer.time_s},
                       {"cumulative_time_s", time},
@@ -84,9 +105,12 @@ std::string summary_json(const std::string& output, const VesselReport& report) 
                       {"leading", pattern.leading},
                       {"overlap", pattern.overlap},
                       {"openings_mm", {pattern.opening_first_mm, pattern.opening_last_mm}},
+                      {"steering", {pattern.ratio_first, pattern.ratio_last}},
+                      {"thickness_mm", {layer.least_thickness_mm, layer.most_thickness_mm}},
                       {"free_length_mm", {layer.least_free_mm, layer.most_free_mm}},
                       {"backward_turns", layer.backward_turns},
                       {"clamped", clamped}});
+    if (!job.plies.empty()) layers.back()["plies"] = job.plies[i];
   }
   const Json out = {{"output", output},
                     {"commands", report.lines},
@@ -107,10 +131,10 @@ std::string clamped_text(std::size_t layer, const ClampedAxis& axis) {
   return text + "\n";
 }
 
-std::string summary_table(const std::string& output, const VesselReport& report) {
-  Table table({"layer", "angle deg", "circuits", "starts", "", "overlap %", "openings mm", "thread mm",
-               "lines", "time s", "laid m"},
-              {true, true, true, true, false, true, true, true, true, true, true});
+std::string summary_table(const std::string& output, const VesselReport& report, const VesselJob& job) {
+  Table table({"layer", "type", "angle deg", "circuits", "starts", "", "overlap %", "openings mm", "friction",
+               "thread mm", "lines", "time s", "laid m"},
+              {true, false, true, true, true, true, true, false, true, true, true, true, true, true});
   std::string held;
   double time = 0, tow = 0;
   for (std::size_t i = 0; i < report.layers.size(); ++i) {
@@ -118,10 +142,14 @@ std::string summary_table(const std::string& output, const VesselReport& report)
     const VesselPattern& pattern = layer.pattern;
     time += layer.time_s;
     tow += layer.laid_mm / mm_per_m;
-    table.add({std::to_string(i + 1), short_number(pattern.angle_deg, 8), std::to_string(pattern.circuits),
-               std::to_string(pattern.starts), pattern.leading ? "leading" : "lagging",
+    table.add({std::to_string(i + 1), layer_type(job, i), short_number(pattern.angle_deg, 8),
+               std::to_string(pattern.circuits), std::to_string(pattern.starts),
+               job.winding.layers[i].hoop ? ""
+               : pattern.leading          ? "leading"
+                                          : "lagging",
                short_number(100 * pattern.overlap, 3),
                short_number(pattern.opening_first_mm) + ", " + short_number(pattern.opening_last_mm),
+               short_number(std::max(std::abs(pattern.ratio_first), std::abs(pattern.ratio_last)), 3),
                short_number(layer.least_free_mm) + " ... " + short_number(layer.most_free_mm),
                std::to_string(layer.lines), short_number(layer.time_s),
                short_number(layer.laid_mm / mm_per_m)});
@@ -135,6 +163,12 @@ std::string summary_table(const std::string& output, const VesselReport& report)
          short_number(time) + " s, " + short_number(tow) + " m of tow\n";
 }
 
+std::vector<std::filesystem::path> inputs_of(const VesselJob& job, const WindArguments& arguments) {
+  std::vector<std::filesystem::path> inputs{arguments.file};
+  inputs.insert(inputs.end(), job.inputs.begin(), job.inputs.end());
+  return inputs;
+}
+
 }  // namespace
 
 int wind_vessel_plan(const Arguments& arguments) {
@@ -142,16 +176,16 @@ int wind_vessel_plan(const Arguments& arguments) {
   const VesselJob job = read_job(wind);
   const std::string target =
       wind.output.empty() ? std::filesystem::path(wind.file).stem().string() + ".gcode" : wind.output;
-  OutputFile output(target, arguments.force, {wind.file, job.file.mandrel, job.machine_file});
+  OutputFile output(target, arguments.force, inputs_of(job, wind));
   const VesselReport report = write_job(job, wind, [&](std::string_view piece) {
     check_stop();
     output.write(piece);
   });
   output.commit();
   if (arguments.json) {
-    print(summary_json(target, report));
+    print(summary_json(target, report, job));
   } else if (!arguments.quiet) {
-    print(summary_table(target, report));
+    print(job.notes + summary_table(target, report, job));
   }
   return 0;
 }

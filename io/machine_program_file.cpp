@@ -104,14 +104,17 @@ class MachineReader {
       pieces_.emplace_back().degree = static_cast<int>(number(text));
       if (pieces_.back().degree < 1 || pieces_.back().degree > max_degree)
         fail("the meridian's degree is out of range; plan the program again");
-    } else if (!pieces_.empty() && !meridian_ && takes(text, "Knots ")) {
+    } else if (!pieces_.empty() && takes(text, "Knots ")) {
       while (!text.empty()) pieces_.back().knots.push_back(number(next_word(text)));
-    } else if (!pieces_.empty() && !meridian_ && takes(text, "Pole ")) {
+    } else if (!pieces_.empty() && takes(text, "Pole ")) {
       const double z = number(next_word(text)), r = number(next_word(text));
       pieces_.back().poles.emplace_back(z, r);
       pieces_.back().weights.push_back(number(next_word(text)));
     } else if (takes(text, "Machine ")) {
       read_axes(text);
+      make_meridian();
+    } else if (text == "Mandrel grown") {
+      end_travel();
       make_meridian();
     } else if (takes(text, "Layer ")) {
       end_travel();
@@ -147,7 +150,8 @@ class MachineReader {
     if (pieces_.empty()) fail("the header has no meridian; plan the program again");
     if (!(result_.tow.width_mm > 0)) fail("the header has no tow; plan the program again");
     try {
-      meridian_.emplace(pieces_);
+      meridian_ = std::make_shared<const Meridian>(std::move(pieces_));
+      pieces_.clear();
     } catch (const Error& e) {
       fail(std::string("the meridian ") + e.what());
     }
@@ -193,12 +197,28 @@ class MachineReader {
       return;
     }
     if (!(feed_ > 0)) fail("moves without a feed; write F");
+    const double seconds = 60 * (inverse_time_ ? 1 : std::sqrt(square)) / feed_;
+    use_axes(now, to, seconds);
     ++now.moves;
-    now.time_s += 60 * (inverse_time_ ? 1 : std::sqrt(square)) / feed_;
+    now.time_s += seconds;
     if (laying_ && value(to, WinderAxis::mandrel) < value(axes_, WinderAxis::mandrel)) ++now.backward_turns;
     axes_ = to;
     if (laying_) travel_.eyes.push_back(eye());
     if (between_ && now.moves % 10000 == 0) between_();
+  }
+
+  void use_axes(SimulatedMachineLayer& now, const AxisValues& to, double seconds) {
+    for (std::size_t i = 0; i < winder_axes; ++i) {
+      AxisUse& use = now.axes[i];
+      use.lowest = now.moves == 0 ? to[i] : std::min(use.lowest, to[i]);
+      use.highest = now.moves == 0 ? to[i] : std::max(use.highest, to[i]);
+      // what is shorter than the text's digits tells no speed
+      constexpr double digits = 1e-5;
+      const double way = std::abs(to[i] - axes_[i]);
+      if (way < digits || way / seconds <= use.fastest_per_s) continue;
+      use.fastest_per_s = way / seconds;
+      use.fastest_line = line_;
+    }
   }
 
   void declare(std::string_view line) {
@@ -234,6 +254,7 @@ class MachineReader {
     if (laying_ && travel_.eyes.size() > 1) {
       if (between_) between_();
       laid_ = true;
+      layer().mandrel = meridian_;
       layer().laid = simulate_travel(*meridian_, result_.tow, travel_);
     }
     laying_ = false;
@@ -244,7 +265,7 @@ class MachineReader {
   int line_ = 0;
   SimulatedMachineProgram result_;
   std::vector<BSplineCurve2> pieces_;
-  std::optional<Meridian> meridian_;
+  std::shared_ptr<const Meridian> meridian_;
   std::array<char, winder_axes> letters_{};
   AxisValues axes_{};
   double origin_deg_ = 0;  // of the mandrel's axis

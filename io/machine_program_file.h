@@ -1,13 +1,23 @@
 #pragma once
 
+#include <array>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "winding/machine_profile.h"
 #include "winding/vessel_simulation.h"
 
 namespace afptraj {
+
+/// What an axis does in a layer.
+struct AxisUse {
+  double fastest_per_s = 0;        ///< by the lines' feeds; mm or degrees
+  std::int64_t fastest_line = 0;   ///< of the program, from 1
+  double lowest = 0, highest = 0;  ///< as lines name it, in mm or degrees
+};
 
 struct SimulatedMachineLayer {
   std::string name;                 ///< the comment without "Layer "
@@ -15,6 +25,8 @@ struct SimulatedMachineLayer {
   std::int64_t idle_moves = 0;      ///< lines on which none does
   std::int64_t backward_turns = 0;  ///< lines on which the mandrel turns back while the tow is fixed
   double time_s = 0;                ///< by the lines' feeds
+  std::array<AxisUse, winder_axes> axes{};
+  std::shared_ptr<const Meridian> mandrel;  ///< on which it is laid
   LaidTravel laid;
 };
 

@@ -36,11 +36,11 @@ void for_each_line(std::string_view text, const Each& each) {
 
 class ProgramReader {
  public:
-  explicit ProgramReader(const std::string& path) : path_(path) {}
+  ProgramReader(const std::string& path, KeepPieces keep) : path_(path), keep_(keep) {}
 
   SimulatedProgram read(std::string_view text, const std::function<void()>& between) {
     read_header(text);
-    ProgramSimulator simulator(mandrel_, tow_);
+    ProgramSimulator simulator(mandrel_, tow_, keep_);
     for_each_line(text, [&](std::string_view line, int number) {
       line_ = number;
       if (between && number % lines_between == 0) between();
@@ -151,6 +151,7 @@ class ProgramReader {
   }
 
   const std::string& path_;
+  const KeepPieces keep_;
   int line_ = 0;
   bool moved_ = false;
   WindMandrel mandrel_;
@@ -160,8 +161,8 @@ class ProgramReader {
 }  // namespace
 
 SimulatedProgram simulate_text(const std::string& name, std::string_view text,
-                               const std::function<void()>& between) {
-  return ProgramReader(name).read(text, between);
+                               const std::function<void()>& between, KeepPieces keep) {
+  return ProgramReader(name, keep).read(text, between);
 }
 
 SimulatedProgram simulate_file(const std::string& path, const std::function<void()>& between) {

@@ -14,6 +14,6 @@ namespace afptraj {
 SimulatedProgram simulate_file(const std::string& path, const std::function<void()>& between = {});
 /// The same for a text; `name` is for messages.
 SimulatedProgram simulate_text(const std::string& name, std::string_view text,
-                               const std::function<void()>& between = {});
+                               const std::function<void()>& between = {}, KeepPieces keep = KeepPieces::no);
 
 }  // namespace afptraj

@@ -13,13 +13,26 @@ std::string beside(const std::string& path, const std::filesystem::path& given) 
 
 VesselLayer read_layer(TomlTable& table) {
   VesselLayer layer;
-  table.word("type", {"helical"}, "helical");
+  layer.hoop = table.word("type", {"helical", "hoop"}, "helical") == "hoop";
+  if (layer.hoop) {
+    table.finish();
+    return layer;
+  }
   layer.angle_deg = table.number("angle", 0.1, 89.9);
   if (table.word("angle_from", {"axis", "hoop"}, "axis") == "hoop") layer.angle_deg = 90 - layer.angle_deg;
   layer.tolerance_deg = table.optional_number("tolerance", 0, 45).value_or(layer.tolerance_deg);
   if (const auto overlap = table.optional_number("overlap", 0, 100)) layer.most_overlap = *overlap / 100;
   layer.circuits = table.optional_count("circuits", 2, 1000000);
   layer.stride = table.optional_count("stride", 0, 1000000);
+  layer.steering.friction = table.optional_number("friction", 0, 1).value_or(0);
+  layer.steering.opening_first_mm = table.optional_number("opening_first", 0.01, 1e6);
+  layer.steering.opening_last_mm = table.optional_number("opening_last", 0.01, 1e6);
+  for (const auto& [key, opening] : {std::pair{"opening_first", layer.steering.opening_first_mm},
+                                     {"opening_last", layer.steering.opening_last_mm}}) {
+    if (opening && layer.steering.friction == 0)
+      table.fail(key, std::string("'") + key +
+                          "' needs friction to steer the fibre there; give friction, such as 0.2");
+  }
   table.finish();
   return layer;
 }
@@ -32,6 +45,7 @@ VesselFile read_vessel(const std::string& path) {
   VesselFile vessel;
   if (const auto machine = file.optional_text("machine")) vessel.machine = beside(path, *machine);
   vessel.feed_mm_per_min = file.number("feed", 1e-3, 1e7);
+  vessel.growth = file.flag("growth", true);
   TomlTable mandrel = file.table("mandrel");
   vessel.mandrel = beside(path, mandrel.text("file"));
   vessel.faces = mandrel.optional_text("faces").value_or("");

@@ -16,6 +16,7 @@ struct VesselFile {
   double feed_mm_per_min = 0;
   std::string machine;  ///< a path to a machine profile; empty: none is named
   std::vector<VesselLayer> layers;
+  bool growth = true;
 };
 
 /// Reads it (docs/winding.md, "Vessels"). The paths of mandrel and machine are taken from

@@ -261,14 +261,66 @@ TEST_F(Cli, WindInspectsMandrels) {
   ASSERT_FALSE(tight["patterns"].empty());
   for (const auto& pattern : tight["patterns"]) EXPECT_LE(pattern["overlap"], 0.02);
   expect_error(run({"wind", "patterns", vessel, "--angle", "20"}), 2, "--tow-width: is missing");
-  expect_error(run({"wind", "patterns", vessel, "--angle", "5", "--tow-width", "8"}), 4,
-               "turns at both ends");
+  expect_error(
+      run({"wind", "patterns", vessel, "--angle", "5", "--tow-width", "8"}), 4,
+      "a geodesic at 5 deg runs off the first end; give friction to turn it, or an angle of at least ");
   expect_error(run({"wind", "patterns", "tube.wind", "--angle", "20", "--tow-width", "8"}), 2,
                "leave it out");
   write("back.csv", "z,r\n0,5\n10,5\n5,6\n20,6\n");
   expect_error(run({"wind", "inspect", "back.csv"}), 3, "back.csv: goes back near z");
   write("word.csv", "z,r\n0,5\n10,five\n");
   expect_error(run({"wind", "inspect", "word.csv"}), 3, "word.csv:3: r is 'five'; write a number in mm");
+}
+
+// Ply points on a part ask for what a file with their angle asks for.
+TEST_F(Cli, WindPlansPartsByTheirPlies) {
+  const std::string part = samples + "vessel/part.step", machine = samples + "vessel/machine.toml";
+  // at 60 deg, of either sense, on the cylinder of radius 150
+  write("plies.csv",
+        "ply,x,y,z,dx,dy,dz\nA,150,0,100,0,0.8660254037844386,0.5\nB,0,150,120,0.8660254037844386,0,0.5\n");
+  const std::vector<std::string> flags{"--tow-width", "30",    "--thickness", "0.3",
+                                       "--feed",      "12000", "--machine",   machine};
+  const auto plan = [&](std::vector<std::string> words) {
+    words.insert(words.end(), flags.begin(), flags.end());
+    return run(words);
+  };
+  const auto summary =
+      nlohmann::json::parse(plan({"wind", "plan", part, "plies.csv", "-o", "a.gcode", "--json"}).out);
+  ASSERT_EQ(summary["layers"].size(), 1u);
+  EXPECT_EQ(summary["layers"][0]["plies"], nlohmann::json::parse(R"(["A", "B"])"));
+  write("same.toml", "machine = '" + machine + "'\nfeed = 12000\n[mandrel]\nfile = '" + part +
+                         "'\n[tow]\nwidth = 30\nthickness = 0.3\n[[layer]]\nangle = 60\ntolerance = 2\n");
+  const auto same =
+      nlohmann::json::parse(run({"wind", "plan", "same.toml", "-o", "b.gcode", "--json"}).out)["layers"][0];
+  // the ply's angle is 60 but for the last digits of its points
+  EXPECT_NEAR(summary["layers"][0]["angle_deg"].get<double>(), same["angle_deg"].get<double>(), 1e-9);
+  EXPECT_EQ(summary["layers"][0]["circuits"], same["circuits"]);
+  EXPECT_EQ(summary["layers"][0]["stride"], same["stride"]);
+  EXPECT_NEAR(summary["layers"][0]["time_s"].get<double>(), same["time_s"].get<double>(), 0.1);
+  EXPECT_HAS(plan({"wind", "plan", part, "plies.csv", "-o", "a.gcode", "--force"}).out,
+             "ply B: layer 1, 60 deg from the axis at the widest place");
+  EXPECT_EQ(nlohmann::json::parse(
+                run({"wind", "simulate", "a.gcode", "--json", "--machine", machine}).out)["violations"]
+                .size(),
+            0u);
+  std::string slow = content_of(machine);
+  slow.replace(slow.find("speed = 1000"), 12, "speed = 40  ");
+  slow.replace(slow.find("[0, 400]"), 8, "[0, 160]");
+  const std::string beyond = run({"wind", "simulate", "a.gcode", "--machine", write("slow.toml", slow)}).out;
+  EXPECT_HAS(beyond, "layer 1: carriage runs at ");
+  EXPECT_HAS(beyond, ", the machine's does 40\n");
+  EXPECT_HAS(beyond, "layer 1: cross_feed goes to 170, the machine's to 160\n");
+  EXPECT_HAS(run({"wind", "plot", "a.gcode"}).out, "wrote a.svg");
+  EXPECT_HAS(content_of(*this / "a.svg"), "<title>1 of 1: helical, angle ");
+  expect_error(run({"wind", "plot", "a.gcode"}), 5, "a.svg: exists; give --force");
+  expect_error(run({"wind", "plot", "a.gcode", "--layer", "2", "--force"}), 2,
+               "--layer: is 2; the program has 1");
+  expect_error(run({"wind", "plan", part, "plies.csv"}), 2, "--tow-width: is missing");
+  expect_error(run({"wind", "plan", part}), 2, "is a part; give its ply points after it");
+  expect_error(run({"wind", "plan", "same.toml", "--feed", "3"}), 2, "--feed: is for a part and plies.csv");
+  write("off.csv", "ply,x,y,z,dx,dy,dz\nA,200,0,100,0,1,0\n");
+  expect_error(plan({"wind", "plan", part, "off.csv"}), 3,
+               "off.csv: ply A has a point (200 0 100) 50 mm off");
 }
 
 TEST_F(Cli, WindPlansAndSimulatesVessels) {
@@ -285,7 +337,7 @@ TEST_F(Cli, WindPlansAndSimulatesVessels) {
     EXPECT_LT(layer["start_error_deg"], 0.01);
     EXPECT_NEAR(layer["clearance_mm"], 20, 0.01);
   }
-  EXPECT_HAS(run({"wind", "simulate", "vessel.gcode"}).out, "2 of 2: helical, angle 50.27");
+  EXPECT_HAS(run({"wind", "simulate", "vessel.gcode"}).out, "2 of 2: helical, angle 50.25");
   EXPECT_HAS(run({"wind", "patterns", vessel}).out, "20.61");
   EXPECT_HAS(run({"wind", "inspect", vessel}).out, "r 150 mm");
   expect_error(run({"wind", "plan", vessel, "-o", "vessel.gcode"}), 5, "exists; give --force");

@@ -22,6 +22,34 @@ std::string refusal(const std::vector<MeridianRow>& rows) {
   }
 }
 
+// A meridian evaluates its pieces by powers; the B-splines themselves say the same.
+TEST(Meridian, IsItsPieces) {
+  BSplineCurve2 high;  // degree 6, one span
+  high.degree = 6;
+  high.knots = {0, 0, 0, 0, 0, 0, 0, 2, 2, 2, 2, 2, 2, 2};
+  high.poles = {{0, 50}, {10, 52}, {20, 57}, {30, 55}, {40, 49}, {50, 47}, {60, 50}};
+  for (const Meridian& meridian :
+       {test::vessel(100, 250, 60), Meridian({high}),
+        meridian_through({{0, 80}, {50, 62}, {90, 58}, {150, 62}, {200, 80}, {260, 95}})}) {
+    double start = 0;
+    for (const BSplineCurve2& piece : meridian.pieces()) {
+      for (int k = 0; k < 40; ++k) {
+        const double t = (piece.last() - piece.first()) * (k + 0.3) / 40;
+        const auto expected = piece.derivatives(piece.first() + t);
+        const MeridianPoint at = meridian.at(start + t);
+        EXPECT_NEAR(at.z_mm, expected.c.x(), 1e-11);
+        EXPECT_NEAR(at.r_mm, expected.c.y(), 1e-11);
+        const double scale = 1 + expected.d2.norm();
+        EXPECT_NEAR(at.dz, expected.d1.x(), 1e-11 * scale);
+        EXPECT_NEAR(at.dr, expected.d1.y(), 1e-11 * scale);
+        EXPECT_NEAR(at.ddz, expected.d2.x(), 1e-10 * scale);
+        EXPECT_NEAR(at.ddr, expected.d2.y(), 1e-10 * scale);
+      }
+      start += piece.last() - piece.first();
+    }
+  }
+}
+
 TEST(Meridian, LinesAreMetExactly) {
   for (const int n : {2, 3, 4, 9}) {
     std::vector<MeridianRow> rows;

@@ -107,6 +107,26 @@ TEST(PayoutEye, SeesBridging) {
   EXPECT_LE(eye.deepest_mm(hoop, eye.at(hoop).free_length_mm), 2 * outline_sagitta_mm);
 }
 
+// The distance from the envelope's hull is that from the nearest place of a convex mandrel, from all sides.
+TEST(PayoutEye, MeasuresFromTheNearestPlace) {
+  const Meridian tank = test::vessel(100, 250, 60);
+  const ClearanceEnvelope envelope(tank, 20);
+  constexpr int samples = 2000;
+  for (const double z : {-200.0, -90.0, -59.0, -20.0, 0.0, 3.0, 130.0, 250.0, 300.0, 400.0}) {
+    for (const double radius : {0.5, 40.0, 99.0, 101.0, 180.0, 900.0}) {
+      double least = 1e300;
+      for (int i = 0; i <= samples; ++i) {
+        const MeridianPoint at = tank.at(tank.first() + (tank.last() - tank.first()) * i / samples);
+        least = std::min(least, std::hypot(z - at.z_mm, radius - at.r_mm));
+      }
+      const double far = envelope.distance(z, radius).mm;
+      // inside the distance is 0; places are 0.13 mm apart, and so off by 0.07 at most
+      const bool inside = envelope.depth_mm(z, radius) > 0;
+      EXPECT_NEAR(far, inside ? 0 : least, 0.08) << z << " " << radius;
+    }
+  }
+}
+
 TEST(PayoutEye, RefusesAnEyeThatIsTooNear) {
   const Meridian cylinder = meridian_through({{0, 60}, {400, 60}});
   EXPECT_THROW(PayoutEye(cylinder, {30, 85.0}), Error);

@@ -69,7 +69,8 @@ TEST(VesselPatterns, NoneIsMissed) {
 
 TEST(VesselPatterns, NoOpeningIsSmallerThanTheTow) {
   const Meridian tank = test::vessel(100, 200, 100);
-  EXPECT_NEAR(least_angle_deg(tank, 20), std::asin(0.1) * 180 / std::numbers::pi, 1e-12);
+  EXPECT_NEAR(PassMaker(tank, {0, {}, {}, 20}).least_angle_deg(), std::asin(0.1) * 180 / std::numbers::pi,
+              1e-12);
   const auto found = find_vessel_patterns(tank, {6, 3, 20, 0.5, 1000});
   ASSERT_FALSE(found.empty());
   for (const VesselPattern& pattern : found) EXPECT_GE(pattern.opening_first_mm, 10 - 1e-9);

@@ -62,20 +62,27 @@ ClearanceEnvelope::ClearanceEnvelope(const Meridian& meridian, double clearance_
 
 ClearanceEnvelope::Distance ClearanceEnvelope::distance(double z_mm, double radius_mm) const {
   double least = 1e300, by_z = 0, by_radius = 0;  // squared; the way from the nearest place of the hull
-  bool inside = true;
-  for (std::size_t i = 0; i + 1 < hull_.size(); ++i) {
+  bool inside = z_mm >= hull_.front().z_mm && z_mm <= hull_.back().z_mm;
+  const auto compare = [&](std::size_t i) {
     const MeridianRow &a = hull_[i], &b = hull_[i + 1];
     const double ez = b.z_mm - a.z_mm, er = b.r_mm - a.r_mm, square = ez * ez + er * er;
-    if (square == 0) continue;
+    if (square == 0) return;
     const double pz = z_mm - a.z_mm, pr = radius_mm - a.r_mm;
-    if (pr * ez - pz * er > 0) inside = false;
+    if (z_mm >= a.z_mm && z_mm <= b.z_mm && pr * ez - pz * er > 0) inside = false;
     const double share = std::clamp((pz * ez + pr * er) / square, 0.0, 1.0);
     const double qz = pz - share * ez, qr = pr - share * er, far = qz * qz + qr * qr;
-    if (far >= least) continue;
+    if (far >= least) return;
     least = far;
     by_z = qz;
     by_radius = qr;
-  }
+  };
+  // z grows along the hull: from the place beside outwards, as long as nearer edges can come.
+  const auto beside = std::lower_bound(hull_.begin(), hull_.end(), z_mm,
+                                       [](const MeridianRow& row, double z) { return row.z_mm < z; });
+  const auto middle = static_cast<std::size_t>(beside - hull_.begin());
+  const auto reaches = [&](double z) { return (z - z_mm) * (z - z_mm) <= least; };
+  for (std::size_t i = middle; i + 1 < hull_.size() && reaches(hull_[i].z_mm); ++i) compare(i);
+  for (std::size_t i = std::min(middle, hull_.size() - 1); i-- > 0 && reaches(hull_[i + 1].z_mm);) compare(i);
   const double mm = std::hypot(by_z, by_radius);
   return inside || mm == 0 ? Distance{} : Distance{mm, by_z / mm, by_radius / mm};
 }

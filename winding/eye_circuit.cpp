@@ -45,34 +45,37 @@ double unevenness(const EyeSample& a, const EyeSample& p, const EyeSample& b) {
 
 class CircuitMaker {
  public:
-  CircuitMaker(const Meridian& meridian, const MeridianGeodesic& pass, const PayoutEye& eye)
+  CircuitMaker(const Meridian& meridian, const FibrePass& pass, const PayoutEye& eye)
       : meridian_(meridian), pass_(pass), eye_(eye) {}
 
   // Samples so close that the pieces between them are straight to a fifth of what is allowed.
   EyeCircuit dense() {
     constexpr int first_count = 256, most_rounds = 12;
-    phases_ = pass_.phases_and_breaks(first_count);
-    EyeCircuit circuit = sampled();
-    for (int round = 0; round < most_rounds && refine(circuit.samples); ++round) circuit = sampled();
-    return circuit;
+    const std::vector<Phase> phases = pass_.phases_and_breaks(first_count);
+    const std::vector<FibrePoint> points = pass_.points_at(phases);
+    for (std::size_t i = 0; i < points.size(); ++i) stations_.push_back(station(phases[i], points[i]));
+    std::vector<EyeSample> samples = there_and_back();
+    for (int round = 0; round < most_rounds && refine(samples); ++round) samples = there_and_back();
+    return {std::move(samples), least_free_mm_, most_free_mm_};
   }
 
  private:
-  // There and back.
-  EyeCircuit sampled() const {
-    EyeCircuit out;
-    out.least_free_mm = 1e300;
-    const std::vector<FibrePoint> points = pass_.points_at(phases_);
-    for (const FibrePoint& point : points) add(out, point, point.turn_rad, point.length_mm, point.angle_rad);
-    for (std::size_t i = points.size() - 1; i-- > 0;) {
-      const FibrePoint& point = points[i];
-      add(out, point, 2 * pass_.turn_rad() - point.turn_rad, 2 * pass_.length_mm() - point.length_mm,
-          pi - point.angle_rad);
-    }
-    return out;
+  using Phase = FibrePass::Phase;
+
+  // A place of the pass, and the eye on both ways.
+  struct Station {
+    Phase phase;
+    FibrePoint point;
+    EyeSample there, back;
+  };
+
+  Station station(const Phase& phase, const FibrePoint& point) {
+    return {phase, point, sample(point, point.turn_rad, point.length_mm, point.angle_rad),
+            sample(point, 2 * pass_.turn_rad() - point.turn_rad, 2 * pass_.length_mm() - point.length_mm,
+                   pi - point.angle_rad)};
   }
 
-  void add(EyeCircuit& out, const FibrePoint& point, double turn, double length, double angle) const {
+  EyeSample sample(const FibrePoint& point, double turn, double length, double angle) {
     const FibreTangent path = fibre_tangent(meridian_, point.t, turn, angle);
     const EyePosition at = eye_.at(path);
     if (eye_.deepest_mm(path, at.free_length_mm) > most_bridging_mm) {
@@ -80,50 +83,62 @@ class CircuitMaker {
                   "is hollow along the fibre near z = " + significant_text(point.z_mm, 6) +
                       " mm, where the thread would bridge; give a steeper angle");
     }
-    out.least_free_mm = std::min(out.least_free_mm, at.free_length_mm);
-    out.most_free_mm = std::max(out.most_free_mm, at.free_length_mm);
-    out.samples.push_back({length, point.angle_rad, axes_of(at)});
+    least_free_mm_ = std::min(least_free_mm_, at.free_length_mm);
+    most_free_mm_ = std::max(most_free_mm_, at.free_length_mm);
+    return {length, point.angle_rad, axes_of(at)};
   }
 
-  // Where the meridian's curvature may jump, and the eye's speed with it.
-  bool is_kink(const MeridianGeodesic::Phase& phase) const {
-    const std::vector<double>& breaks = meridian_.breaks();
+  std::vector<EyeSample> there_and_back() const {
+    std::vector<EyeSample> out;
+    for (const Station& at : stations_) out.push_back(at.there);
+    for (std::size_t i = stations_.size() - 1; i-- > 0;) out.push_back(stations_[i].back);
+    return out;
+  }
+
+  // Where the path's curvature may jump, and the eye's speed with it.
+  bool is_kink(const Phase& phase) const {
+    const std::vector<double>& breaks = pass_.breaks();
     return std::binary_search(breaks.begin(), breaks.end(), phase.t);
   }
 
   // Halves pieces beside samples that are too uneven, there or back; false where none is.
   bool refine(const std::vector<EyeSample>& samples) {
-    const std::size_t last = phases_.size() - 1;
+    const std::size_t last = stations_.size() - 1;
     std::vector<bool> halved(last, false);
     bool any = false;
-    const auto check = [&](std::size_t i, std::size_t phase) {
+    const auto check = [&](std::size_t i, std::size_t station) {
       if (unevenness(samples[i - 1], samples[i], samples[i + 1]) <= 0.8) return;
-      const double before = phases_[phase].phi - phases_[phase - 1].phi;
-      const double after = phases_[phase + 1].phi - phases_[phase].phi;
-      if (before >= 0.75 * after) halved[phase - 1] = true;
-      if (after >= 0.75 * before) halved[phase] = true;
+      const double here = stations_[station].phase.phi;
+      const double before = here - stations_[station - 1].phase.phi;
+      const double after = stations_[station + 1].phase.phi - here;
+      if (before >= 0.75 * after) halved[station - 1] = true;
+      if (after >= 0.75 * before) halved[station] = true;
       any = true;
     };
-    for (std::size_t phase = 1; phase < last; ++phase) {
-      if (is_kink(phases_[phase])) continue;
-      check(phase, phase);
-      check(2 * last - phase, phase);
+    for (std::size_t station = 1; station < last; ++station) {
+      if (is_kink(stations_[station].phase)) continue;
+      check(station, station);
+      check(2 * last - station, station);
     }
     // the turn at the last end, between there and back
     if (unevenness(samples[last - 1], samples[last], samples[last + 1]) > 0.8) halved[last - 1] = any = true;
-    std::vector<MeridianGeodesic::Phase> finer{phases_.front()};
+    std::vector<Station> finer{stations_.front()};
     for (std::size_t i = 0; i < last; ++i) {
-      if (halved[i]) finer.push_back(pass_.between(phases_[i], phases_[i + 1]));
-      finer.push_back(phases_[i + 1]);
+      if (halved[i]) {
+        const Phase middle = pass_.between(stations_[i].phase, stations_[i + 1].phase);
+        finer.push_back(station(middle, pass_.next_point(stations_[i].point, stations_[i].phase, middle)));
+      }
+      finer.push_back(stations_[i + 1]);
     }
-    phases_ = std::move(finer);
+    stations_ = std::move(finer);
     return any;
   }
 
   const Meridian& meridian_;
-  const MeridianGeodesic& pass_;
+  const FibrePass& pass_;
   const PayoutEye& eye_;
-  std::vector<MeridianGeodesic::Phase> phases_;
+  std::vector<Station> stations_;
+  double least_free_mm_ = 1e300, most_free_mm_ = 0;
 };
 
 // Ramer, Douglas and Peucker's choice, along the path's length and with most of what is allowed.
@@ -144,7 +159,7 @@ void thin(const std::vector<EyeSample>& all, std::size_t first, std::size_t last
 }
 
 // At an edge the eye would have to travel while nothing is laid.
-void refuse_edges(const Meridian& meridian, const MeridianGeodesic& pass) {
+void refuse_edges(const Meridian& meridian, const FibrePass& pass) {
   const double beside = 1e-9 * (meridian.last() - meridian.first());
   for (const double t : meridian.breaks()) {
     if (t <= pass.first().t + beside || t >= pass.last().t - beside) continue;
@@ -171,7 +186,7 @@ void keep_turning(std::vector<EyeSample>& samples) {
 
 }  // namespace
 
-EyeCircuit eye_circuit(const Meridian& meridian, const MeridianGeodesic& pass, const PayoutEye& eye) {
+EyeCircuit eye_circuit(const Meridian& meridian, const FibrePass& pass, const PayoutEye& eye) {
   refuse_edges(meridian, pass);
   EyeCircuit circuit = CircuitMaker(meridian, pass, eye).dense();
   std::vector<EyeSample> kept{circuit.samples.front()};

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "winding/fibre_pass.h"
 #include "winding/machine_profile.h"
-#include "winding/meridian_geodesic.h"
 #include "winding/payout_eye.h"
 
 namespace afptraj {
@@ -22,8 +22,8 @@ inline constexpr double circuit_tolerance_mm =
     0.0025;  ///< of carriage, cross-feed, and the eye's way round the axis
 inline constexpr double circuit_rotation_deg = 0.05;  ///< of the eye's rotation
 
-/// One circuit of a geodesic between its polar openings, there and back, from the turn at the first end to
-/// the next one there. The last sample is the first, one circuit's turn of the mandrel further.
+/// One circuit of a fibre between the places where it turns, there and back, from the turn at the first end
+/// to the next one there. The last sample is the first, one circuit's turn of the mandrel further.
 struct EyeCircuit {
   std::vector<EyeSample> samples;
   double least_free_mm = 0, most_free_mm = 0;  ///< lengths of the free thread
@@ -32,6 +32,6 @@ struct EyeCircuit {
 /// REQUIRES: the pass turns at both ends.
 /// Throws Error(no_path, "mandrel", ...) where the thread would bridge a hollow by more than 0.01 mm, or the
 /// meridian has an edge of more than 0.1 rad.
-EyeCircuit eye_circuit(const Meridian& meridian, const MeridianGeodesic& pass, const PayoutEye& eye);
+EyeCircuit eye_circuit(const Meridian& meridian, const FibrePass& pass, const PayoutEye& eye);
 
 }  // namespace afptraj

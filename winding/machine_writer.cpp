@@ -34,8 +34,7 @@ void MachineWriter::number_lines(const char* word, const std::vector<double>& nu
   }
 }
 
-void MachineWriter::header(const Meridian& meridian, const WindTow& tow) {
-  comment("Tow width " + header_number(tow.width_mm) + " thickness " + header_number(tow.thickness_mm));
+void MachineWriter::meridian_lines(const Meridian& meridian) {
   for (const BSplineCurve2& piece : meridian.pieces()) {
     comment("Meridian degree " + std::to_string(piece.degree));
     number_lines("Knots", piece.knots);
@@ -44,6 +43,16 @@ void MachineWriter::header(const Meridian& meridian, const WindTow& tow) {
       number_lines("Pole", {piece.poles[i].x(), piece.poles[i].y(), weight});
     }
   }
+}
+
+void MachineWriter::mandrel(const Meridian& meridian) {
+  meridian_lines(meridian);
+  comment("Mandrel grown");
+}
+
+void MachineWriter::header(const Meridian& meridian, const WindTow& tow) {
+  comment("Tow width " + header_number(tow.width_mm) + " thickness " + header_number(tow.thickness_mm));
+  meridian_lines(meridian);
   std::string axes = "Machine";
   for (std::size_t i = 0; i < winder_axes; ++i) {
     if (profile_.axes[i]) axes += std::string(" ") + axis_names[i] + " " + profile_.axes[i]->letter;

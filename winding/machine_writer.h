@@ -19,6 +19,8 @@ class MachineWriter {
   MachineWriter(const MachineProfile& profile, Sink sink) : profile_(profile), sink_(std::move(sink)) {}
 
   void header(const Meridian& meridian, const WindTow& tow);
+  /// The mandrel from here on, where layers have made it another one.
+  void mandrel(const Meridian& meridian);
   void comment(const std::string& text) { line("; " + text); }
   /// Names the axes that move; writes nothing where none does.
   void move(const MachineMove& move) { write(move, false); }
@@ -34,6 +36,7 @@ class MachineWriter {
  private:
   void write(const MachineMove& move, bool all_axes);
   void line(const std::string& text);
+  void meridian_lines(const Meridian& meridian);
   void number_lines(const char* word, const std::vector<double>& numbers);
   double written(std::size_t axis, double value) const;
 

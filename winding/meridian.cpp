@@ -1,8 +1,10 @@
 #include "winding/meridian.h"
 
+#include <Eigen/LU>
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/error.h"
 #include "winding/number_words.h"
@@ -74,6 +76,8 @@ double golden(const F& f, double a, double b) {
 
 double MeridianPoint::speed() const { return std::hypot(dz, dr); }
 
+double MeridianPoint::curvature() const { return (dr * ddz - dz * ddr) / std::pow(speed(), 3); }
+
 Meridian::Meridian(std::vector<BSplineCurve2> pieces) : pieces_(std::move(pieces)) {
   starts_.push_back(0);
   for (const BSplineCurve2& piece : pieces_) {
@@ -83,6 +87,11 @@ Meridian::Meridian(std::vector<BSplineCurve2> pieces) : pieces_(std::move(pieces
     starts_.push_back(start + (piece.last() - piece.first()));
   }
   breaks_.push_back(starts_.back());
+  std::size_t piece = 0;
+  for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {
+    while (breaks_[i] >= starts_[piece + 1]) ++piece;
+    spans_.push_back(span_of(pieces_[piece], starts_[piece], breaks_[i], breaks_[i + 1]));
+  }
   require_forward();
   for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {
     length_mm_ += integral([&](double t) { return at(t).speed(); }, breaks_[i], breaks_[i + 1], 1e-12);
@@ -91,12 +100,88 @@ Meridian::Meridian(std::vector<BSplineCurve2> pieces) : pieces_(std::move(pieces
   narrowest_ = extreme(-1);
 }
 
+// The polynomials through degree + 1 places of the span.
+Meridian::Span Meridian::span_of(const BSplineCurve2& piece, double start, double from, double to) {
+  constexpr int highest_degree = 5;  // beyond, powers lose digits
+  Span span{(from + to) / 2, (to - from) / 2, {}, !piece.weights.empty()};
+  if (piece.degree > highest_degree) return span;
+  const int n = piece.degree + 1;
+  Eigen::MatrixXd matrix(n, n), right(n, 3);
+  for (int i = 0; i < n; ++i) {
+    const double u = -std::cos(std::numbers::pi * i / piece.degree);
+    const double t = piece.first() + (span.middle - start) + span.half * u;
+    const int knot_span = find_span(piece.knots, piece.degree, piece.first() + (span.middle - start));
+    double basis[3][max_degree + 1];
+    basis_functions(piece.knots, piece.degree, knot_span, t, basis);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int k = 0; k < n; ++k) {
+      const auto pole = static_cast<std::size_t>(knot_span - piece.degree + k);
+      const double w = basis[0][k] * (span.rational ? piece.weights[pole] : 1);
+      sum += Eigen::Vector3d(w * piece.poles[pole].x(), w * piece.poles[pole].y(), w);
+    }
+    right.row(i) = sum;
+    for (int k = 0; k < n; ++k) matrix(i, k) = std::pow(u, k);
+  }
+  const Eigen::MatrixXd powers = matrix.fullPivLu().solve(right);
+  for (int k = 0; k < n; ++k) span.powers.push_back({powers(k, 0), powers(k, 1), powers(k, 2)});
+  // what is constant keeps its value to the last digit
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto column = right.col(static_cast<Eigen::Index>(c));
+    if ((column.array() != column(0)).any()) continue;
+    for (auto& power : span.powers) power[c] = 0;
+    span.powers.front()[c] = column(0);
+  }
+  return span;
+}
+
 MeridianPoint Meridian::at(double t) const {
   t = std::clamp(t, first(), last());
+  const auto next = std::upper_bound(breaks_.begin() + 1, breaks_.end() - 1, t);
+  const Span& span = spans_[static_cast<std::size_t>(next - breaks_.begin()) - 1];
+  if (!span.powers.empty()) {
+    const double u = (t - span.middle) / span.half;
+    // values, first derivatives and halves of the second, by Horner's rule
+    double f[3] = {}, d[3] = {}, h[3] = {};
+    const std::size_t columns = span.rational ? 3 : 2;
+    for (std::size_t k = span.powers.size(); k-- > 0;) {
+      for (std::size_t c = 0; c < columns; ++c) {
+        h[c] = h[c] * u + d[c];
+        d[c] = d[c] * u + f[c];
+        f[c] = f[c] * u + span.powers[k][c];
+      }
+    }
+    const double by = 1 / span.half;
+    if (!span.rational) return {f[0], f[1], d[0] * by, d[1] * by, 2 * h[0] * by * by, 2 * h[1] * by * by};
+    const double w = f[2], dw = d[2], ddw = 2 * h[2];
+    const double z = f[0] / w, r = f[1] / w;
+    const double dz = (d[0] - z * dw) / w, dr = (d[1] - r * dw) / w;
+    const double ddz = (2 * h[0] - 2 * dz * dw - z * ddw) / w, ddr = (2 * h[1] - 2 * dr * dw - r * ddw) / w;
+    return {z, r, dz * by, dr * by, ddz * by * by, ddr * by * by};
+  }
   const auto after = std::upper_bound(starts_.begin(), starts_.end() - 1, t);
   const auto i = static_cast<std::size_t>(after - starts_.begin()) - 1;
   const auto d = pieces_[i].derivatives(pieces_[i].first() + (t - starts_[i]));
-  return {d.c.x(), d.c.y(), d.d1.x(), d.d1.y()};
+  return {d.c.x(), d.c.y(), d.d1.x(), d.d1.y(), d.d2.x(), d.d2.y()};
+}
+
+// The nearest of many, and Newton's method.
+double Meridian::nearest(double z_mm, double r_mm) const {
+  constexpr int samples = 64;
+  double best = first(), least = 1e300;
+  for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {
+    for (int k = 0; k <= samples; ++k) {
+      const double t = breaks_[i] + (breaks_[i + 1] - breaks_[i]) * k / samples;
+      const MeridianPoint here = at(t);
+      const double far = std::hypot(here.z_mm - z_mm, here.r_mm - r_mm);
+      if (far < least) least = far, best = t;
+    }
+  }
+  for (int i = 0; i < 20; ++i) {
+    const MeridianPoint here = at(best);
+    best += ((z_mm - here.z_mm) * here.dz + (r_mm - here.r_mm) * here.dr) / (here.speed() * here.speed());
+    best = std::clamp(best, first(), last());
+  }
+  return best;
 }
 
 void Meridian::require_forward() const {

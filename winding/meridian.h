@@ -1,16 +1,19 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "geometry/bspline_curve.h"
 
 namespace afptraj {
 
-/// A place on a meridian, with derivatives by its parameter.
+/// A place on a meridian, with first and second derivatives by its parameter.
 struct MeridianPoint {
   double z_mm = 0, r_mm = 0;  ///< along the axis, from it
   double dz = 0, dr = 0;
-  double speed() const;  ///< |(dz, dr)|: way along the meridian by parameter
+  double ddz = 0, ddr = 0;
+  double speed() const;      ///< |(dz, dr)|: way along the meridian by parameter
+  double curvature() const;  ///< of the meridian, positive where it bends towards the axis
 };
 
 /// The curve (z, r) that turns about the axis to a mandrel: B-spline pieces end to end, z growing along it.
@@ -30,17 +33,28 @@ class Meridian {
   const std::vector<double>& breaks() const { return breaks_; }
   const std::vector<BSplineCurve2>& pieces() const { return pieces_; }
   double length_mm() const { return length_mm_; }
+  /// The parameter of the place nearest to (z, r).
+  double nearest(double z_mm, double r_mm) const;
   /// Places of the greatest and the least radius.
   double widest() const { return widest_; }
   double narrowest() const { return narrowest_; }
 
  private:
+  // A span between breaks by powers of u = (t - middle) / half in [-1, 1]: z w, r w, and w where it is
+  // rational.
+  struct Span {
+    double middle = 0, half = 0;
+    std::vector<std::array<double, 3>> powers;  // none where the degree is high: then the B-spline is asked
+    bool rational = false;
+  };
+  static Span span_of(const BSplineCurve2& piece, double start, double from, double to);
   void require_forward() const;
   double extreme(double sign) const;
 
   std::vector<BSplineCurve2> pieces_;
   std::vector<double> starts_;  // parameter where each piece begins, and where the last ends
   std::vector<double> breaks_;
+  std::vector<Span> spans_;
   double length_mm_ = 0, widest_ = 0, narrowest_ = 0;
 };
 

@@ -18,14 +18,17 @@ class MeridianBand {
   void lay(const std::vector<ContactPoint>& path);
   BandCoverage coverage() const;
 
- private:
+  /// A place on the mandrel; sigma: way along the meridian from its first end.
   struct Corner {
     double t, sigma_mm, turn_deg;
   };
   struct Edge {
     Corner left, right;
   };
+  /// The band's edges beside a place of its path.
   Edge edge_at(const ContactPoint& point) const;
+
+ private:
   Corner corner(const ContactPoint& point, double beside_mm) const;
   double sigma(double t) const;
   void lay_step(const Edge& a, const Edge& b);

@@ -34,7 +34,8 @@ double SimulatedProgram::time_s() const {
   return sum;
 }
 
-ProgramSimulator::ProgramSimulator(const WindMandrel& mandrel, const WindTow& tow) {
+ProgramSimulator::ProgramSimulator(const WindMandrel& mandrel, const WindTow& tow, KeepPieces keep)
+    : keep_(keep) {
   result_.mandrel = mandrel;
   result_.tow = tow;
 }
@@ -81,8 +82,30 @@ bool ProgramSimulator::move(std::optional<double> carriage_mm, std::optional<dou
   if (dx != 0 && !band_)
     band_.emplace(result_.mandrel, result_.tow.width_mm, sections_of(result_.mandrel, result_.tow));
   if (band_) band_->lay(at_.carriage_mm, from_deg, to.carriage_mm, from_deg + da);
+  if (band_ && keep_ == KeepPieces::yes)
+    keep_piece({at_.carriage_mm, from_deg, to.carriage_mm, from_deg + da});
   at_ = to;
   return true;
+}
+
+// Goes on with the last piece where that leads straight on, to a hundredth of a millimetre.
+void ProgramSimulator::keep_piece(const LaidPiece& piece) {
+  std::vector<LaidPiece>& pieces = layer().pieces;
+  if (!pieces.empty() && pieces.back().z1_mm == piece.z0_mm &&
+      std::abs(pieces.back().angle1_deg - piece.angle0_deg) < 1e-6) {
+    LaidPiece& last = pieces.back();
+    const double round = std::numbers::pi / 360 * result_.mandrel.diameter_mm;
+    const double ax = last.z1_mm - last.z0_mm, ay = (last.angle1_deg - last.angle0_deg) * round;
+    const double bx = piece.z1_mm - piece.z0_mm, by = (piece.angle1_deg - piece.angle0_deg) * round;
+    // of an arc the chord and the direction at its end are so far apart as four times its height
+    const double off = std::abs(ax * by - ay * bx) / std::hypot(bx, by) / 4;
+    if (ax * bx + ay * by > 0 && off < 0.01) {
+      last.z1_mm = piece.z1_mm;
+      last.angle1_deg = piece.angle1_deg;
+      return;
+    }
+  }
+  pieces.push_back(piece);
 }
 
 void ProgramSimulator::declare(std::optional<double> carriage_mm, std::optional<double> mandrel_deg,

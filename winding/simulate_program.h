@@ -11,6 +11,12 @@
 
 namespace afptraj {
 
+/// A straight piece of a path: along the axis, and the mandrel's angle against the eye, unbounded.
+struct LaidPiece {
+  double z0_mm = 0, angle0_deg = 0, z1_mm = 0, angle1_deg = 0;
+};
+enum class KeepPieces { no, yes };
+
 /// What the machine does between two layer comments.
 struct SimulatedLayer {
   std::string name;                 ///< the comment without "Layer ": "1 of 2: hoop"
@@ -23,6 +29,7 @@ struct SimulatedLayer {
   std::int64_t starts = 0;               ///< passes that leave z = 0
   double start_error_deg = 0;            ///< greatest distance of a start from its place among 360 / starts
   std::optional<BandCoverage> coverage;  ///< of this layer alone; none where nothing was laid
+  std::vector<LaidPiece> pieces;         ///< if they are kept; those that go on straight are one
 };
 
 struct SimulatedProgram {
@@ -40,7 +47,7 @@ struct SimulatedProgram {
 /// laid, from the axes alone: the tow lies at z = X and at the angle A against the eye.
 class ProgramSimulator {
  public:
-  ProgramSimulator(const WindMandrel& mandrel, const WindTow& tow);
+  ProgramSimulator(const WindMandrel& mandrel, const WindTow& tow, KeepPieces keep = KeepPieces::no);
 
   void begin_layer(const std::string& name);
   void count_command() { ++result_.commands; }
@@ -56,8 +63,10 @@ class ProgramSimulator {
  private:
   SimulatedLayer& layer();
   void end_layer();
+  void keep_piece(const LaidPiece& piece);
 
   SimulatedProgram result_;
+  KeepPieces keep_;
   AxisPosition at_;
   double origin_deg_ = 0;  // of the mandrel's axis
   double feed_ = 0;

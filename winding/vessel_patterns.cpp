@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "winding/frustum.h"
-#include "winding/meridian_geodesic.h"
+#include "winding/number_words.h"
 #include "winding/pattern.h"
 
 namespace afptraj {
@@ -15,14 +15,20 @@ namespace {
 
 constexpr int table_steps = 32;  // of the angle's tolerance, between which the turn is taken for monotonic
 
+SteeringRule rule_of(const VesselQuery& query) {
+  SteeringRule rule = query.steering;
+  rule.tow_width_mm = query.tow_width_mm;
+  return rule;
+}
+
 class Search {
  public:
   Search(const Meridian& meridian, const VesselQuery& query)
-      : meridian_(meridian), query_(query), R_(meridian.at(meridian.widest()).r_mm) {}
+      : query_(query), passes_(meridian, rule_of(query)), R_(meridian.at(meridian.widest()).r_mm) {}
 
   std::vector<VesselPattern> found() {
     const double lowest =
-        std::max(query_.angle_deg - query_.tolerance_deg, least_angle_deg(meridian_, query_.tow_width_mm));
+        std::max({query_.angle_deg - query_.tolerance_deg, passes_.least_angle_deg(), 0.01});
     const double highest = std::min(query_.angle_deg + query_.tolerance_deg, 89.99);
     std::optional<double> before;
     double at = lowest;
@@ -40,15 +46,11 @@ class Search {
   }
 
  private:
-  MeridianGeodesic geodesic(double angle_deg) const {
-    return {meridian_, R_ * std::sin(radians(angle_deg)), meridian_.widest()};
-  }
-
-  // Turns of the mandrel by circuit; none where the fibre runs off an end.
+  // Turns of the mandrel by circuit; none where no pass turns at both ends.
   std::optional<double> circuit_turns(double angle_deg) const {
-    const MeridianGeodesic pass = geodesic(angle_deg);
-    if (!pass.first().turns || !pass.last().turns) return std::nullopt;
-    return pass.turn_rad() / std::numbers::pi;
+    const std::optional<SteeredPass> found = passes_.at(angle_deg);
+    if (!found) return std::nullopt;
+    return found->pass.turn_rad() / std::numbers::pi;
   }
 
   // Of N circuits at the widest place; negative where they leave gaps.
@@ -109,7 +111,9 @@ class Search {
   }
 
   void add(double angle, std::int64_t N, std::int64_t stride, std::int64_t starts, bool leading) {
-    const MeridianGeodesic pass = geodesic(angle);
+    const std::optional<SteeredPass> found = passes_.at(angle);
+    if (!found) return;
+    const FibrePass& pass = found->pass;
     VesselPattern pattern;
     pattern.angle_deg = angle;
     pattern.circuits = N;
@@ -120,25 +124,33 @@ class Search {
     pattern.length_mm = 2 * pass.length_mm();
     pattern.opening_first_mm = pass.first().r_mm;
     pattern.opening_last_mm = pass.last().r_mm;
+    pattern.ratio_first = found->ratio_first;
+    pattern.ratio_last = found->ratio_last;
     pattern.overlap = overlap(N, angle);
     out_.push_back(pattern);
   }
 
-  const Meridian& meridian_;
   const VesselQuery& query_;
+  PassMaker passes_;
   double R_;
   std::vector<VesselPattern> out_;
 };
 
 }  // namespace
 
-double least_angle_deg(const Meridian& meridian, double tow_width_mm) {
-  const double sine = tow_width_mm / 2 / meridian.at(meridian.widest()).r_mm;
-  return degrees(std::asin(std::min(1.0, sine)));
-}
-
 std::vector<VesselPattern> find_vessel_patterns(const Meridian& meridian, const VesselQuery& query) {
   return Search(meridian, query).found();
+}
+
+std::string patterns_refusal(const Meridian& meridian, const VesselQuery& query) {
+  const PassMaker passes(meridian, rule_of(query));
+  const double least = passes.least_angle_deg();
+  if (query.angle_deg + query.tolerance_deg < least) {
+    return "the polar opening at this angle is smaller than the tow; the least possible angle is " +
+           significant_text(std::ceil(least * 1e4) / 1e4, 6) + " deg";
+  }
+  const std::string refusal = passes.refusal(query.angle_deg);
+  return refusal.empty() ? "no pattern closes near this angle; give a larger tolerance or overlap" : refusal;
 }
 
 }  // namespace afptraj

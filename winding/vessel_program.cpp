@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/error.h"
 #include "winding/eye_circuit.h"
 #include "winding/frustum.h"
+#include "winding/grown_mandrel.h"
 #include "winding/number_words.h"
 
 namespace afptraj {
@@ -19,6 +21,8 @@ VesselQuery query_of(const VesselLayer& layer, const WindTow& tow) {
   query.tolerance_deg = layer.tolerance_deg;
   query.tow_width_mm = tow.width_mm;
   query.most_overlap = layer.most_overlap;
+  query.steering = layer.steering;
+  query.steering.tow_width_mm = tow.width_mm;
   if (layer.circuits || layer.stride) query.most_starts = 1'000'000;  // whatever is chosen
   return query;
 }
@@ -36,7 +40,9 @@ class VesselPlanner {
         profile_(profile),
         over_speed_(over_speed),
         writer_(profile, sink),
-        eye_(winding.meridian, profile.eye_room) {}
+        mandrel_(std::make_shared<const Meridian>(winding.meridian)) {
+    eye_.emplace(*mandrel_, profile_.eye_room);
+  }
 
   VesselReport write() {
     VesselReport report;
@@ -51,35 +57,68 @@ class VesselPlanner {
   VesselLayerReport write_layer(std::size_t index) {
     const std::int64_t lines_before = writer_.lines();
     VesselLayerReport report;
-    report.pattern = layer_pattern(winding_.meridian, winding_.tow, winding_.layers[index], index + 1);
-    const Meridian& meridian = winding_.meridian;
-    const double R = meridian.at(meridian.widest()).r_mm;
-    const MeridianGeodesic pass(meridian, R * std::sin(radians(report.pattern.angle_deg)), meridian.widest());
-    const EyeCircuit circuit = eye_circuit(meridian, pass, eye_);
+    const VesselLayer& layer = winding_.layers[index];
+    const Meridian& meridian = *mandrel_;
+    report.mandrel = mandrel_;
+    report.pattern = layer.hoop ? hoop_pattern(meridian, winding_.tow, index + 1)
+                                : layer_pattern(meridian, winding_.tow, layer, index + 1);
+    const SteeringRule rule = layer.hoop ? hoop_rule(report.pattern.angle_deg, winding_.tow)
+                                         : query_of(layer, winding_.tow).steering;
+    const std::optional<SteeredPass> steered = PassMaker(meridian, rule).at(report.pattern.angle_deg);
+    const FibrePass& pass = steered.value().pass;
+    const EyeCircuit circuit = eye_circuit(meridian, pass, *eye_);
     report.least_free_mm = circuit.least_free_mm;
     report.most_free_mm = circuit.most_free_mm;
     write_comment(report.pattern, index);
+    if (index > 0 && winding_.growth) writer_.mandrel(meridian);
     const double turned = approach(circuit.samples.front().axes, index, report);
     writer_.comment("Tow fixed at z " + header_number(pass.first().z_mm) + " r " +
                     header_number(pass.first().r_mm) + " turn 0");
     lay(circuit, turned, index, report);
     writer_.comment("Tow cut");
     retreat(index, report);
+    grow(pass, index, report);
     report.lines = writer_.lines() - lines_before;
     return report;
   }
 
+  // The mandrel of the next layer.
+  void grow(const FibrePass& pass, std::size_t index, VesselLayerReport& report) {
+    const Meridian& meridian = *mandrel_;
+    const VesselLayer& layer = winding_.layers[index];
+    const PassMaker passes(meridian, {});
+    const LayerGrowth growth =
+        layer.hoop ? hoop_growth(meridian, passes.widest_first_t(), passes.widest_last_t(), winding_.tow)
+                   : helical_growth(meridian, pass, report.pattern.circuits, winding_.tow);
+    report.least_thickness_mm = 1e300;
+    constexpr int samples = 64;
+    for (int i = 0; i <= samples; ++i) {
+      const double t = pass.first().t + (pass.last().t - pass.first().t) * i / samples;
+      const double thickness = growth.thickness_mm(t);
+      report.least_thickness_mm = std::min(report.least_thickness_mm, thickness);
+      report.most_thickness_mm = std::max(report.most_thickness_mm, thickness);
+    }
+    if (!winding_.growth || index + 1 == winding_.layers.size()) return;
+    mandrel_ = std::make_shared<const Meridian>(grown_mandrel(meridian, growth));
+    eye_.emplace(*mandrel_, profile_.eye_room);
+  }
+
   void write_comment(const VesselPattern& pattern, std::size_t index) {
-    writer_.comment("Layer " + std::to_string(index + 1) + " of " + std::to_string(winding_.layers.size()) +
-                    ": helical, angle " + header_number(pattern.angle_deg) + ", circuits " +
-                    std::to_string(pattern.circuits) + ", stride " + std::to_string(pattern.stride) +
-                    ", starts " + std::to_string(pattern.starts) +
-                    (pattern.leading ? " leading" : " lagging"));
+    writer_.comment(
+        "Layer " + std::to_string(index + 1) + " of " + std::to_string(winding_.layers.size()) +
+        (winding_.layers[index].hoop ? ": hoop" : ": helical") + ", angle " +
+        header_number(pattern.angle_deg) + ", circuits " + std::to_string(pattern.circuits) + ", stride " +
+        std::to_string(pattern.stride) + ", starts " + std::to_string(pattern.starts) +
+        (pattern.leading ? " leading" : " lagging") +
+        (pattern.ratio_first != 0 || pattern.ratio_last != 0
+             ? ", steering " + header_number(pattern.ratio_first) + " " + header_number(pattern.ratio_last)
+             : ""));
   }
 
   // Where the eye is free of the mandrel, all along it.
   double safe_mm() const {
-    return profile_.eye_room.fixed_mm.value_or(eye_.envelope().widest_mm() + eye_.envelope().clearance_mm());
+    return profile_.eye_room.fixed_mm.value_or(eye_->envelope().widest_mm() +
+                                               eye_->envelope().clearance_mm());
   }
 
   // Out, along, and in; returns the whole turns that the mandrel has made, in degrees.
@@ -181,7 +220,8 @@ class VesselPlanner {
   const MachineProfile& profile_;
   OverSpeed over_speed_;
   MachineWriter writer_;
-  PayoutEye eye_;
+  std::shared_ptr<const Meridian> mandrel_;
+  std::optional<PayoutEye> eye_;
   AxisValues at_{};
   bool placed_ = false;
 };
@@ -190,19 +230,9 @@ class VesselPlanner {
 
 VesselPattern layer_pattern(const Meridian& meridian, const WindTow& tow, const VesselLayer& layer,
                             std::size_t number) {
-  const double least = least_angle_deg(meridian, tow.width_mm);
-  if (layer.angle_deg + layer.tolerance_deg < least) {
-    throw Error(ErrorCode::no_path, layer_place(number),
-                "the polar opening at this angle is smaller than the tow; the least possible angle is " +
-                    significant_text(std::ceil(least * 1e4) / 1e4, 6) + " deg");
-  }
-  const std::vector<VesselPattern> found = find_vessel_patterns(meridian, query_of(layer, tow));
-  if (found.empty()) {
-    throw Error(ErrorCode::no_path, layer_place(number),
-                "no pattern closes near this angle; give a larger tolerance or overlap, or an angle at which "
-                "a geodesic "
-                "turns at both ends (afptraj wind inspect)");
-  }
+  const VesselQuery query = query_of(layer, tow);
+  const std::vector<VesselPattern> found = find_vessel_patterns(meridian, query);
+  if (found.empty()) throw Error(ErrorCode::no_path, layer_place(number), patterns_refusal(meridian, query));
   for (const VesselPattern& pattern : found) {
     if (pattern.circuits == layer.circuits.value_or(pattern.circuits) &&
         pattern.stride == layer.stride.value_or(pattern.stride))
@@ -213,6 +243,38 @@ VesselPattern layer_pattern(const Meridian& meridian, const WindTow& tow, const 
       "no pattern that closes near this angle has these circuits and stride; the first that does has " +
           std::to_string(found.front().circuits) + " and " + std::to_string(found.front().stride) +
           " (afptraj wind patterns lists all)");
+}
+
+SteeringRule hoop_rule(double angle_deg, const WindTow& tow) {
+  const double half_a_turn = std::acosh(1 / std::sin(radians(angle_deg))) / std::numbers::pi;
+  return {half_a_turn, {}, {}, tow.width_mm, true};
+}
+
+VesselPattern hoop_pattern(const Meridian& meridian, const WindTow& tow, std::size_t number) {
+  const PassMaker stretch(meridian, {});
+  const double R = meridian.at(meridian.widest()).r_mm;
+  const double between =
+      meridian.at(stretch.widest_last_t()).z_mm - meridian.at(stretch.widest_first_t()).z_mm - tow.width_mm;
+  if (between < tow.width_mm) {
+    throw Error(
+        ErrorCode::no_path, layer_place(number),
+        "the mandrel's cylinder is shorter than two tows, and hoops hold nowhere else; leave the layer out");
+  }
+  VesselPattern pattern;
+  pattern.circuits = 1;
+  pattern.starts = 1;
+  const double pitch = between / std::ceil(between / tow.width_mm);
+  pattern.angle_deg = degrees(std::atan2(2 * std::numbers::pi * R, pitch));
+  const PassMaker passes(meridian, hoop_rule(pattern.angle_deg, tow));
+  const std::optional<SteeredPass> found = passes.at(pattern.angle_deg);
+  if (!found) throw Error(ErrorCode::no_path, layer_place(number), passes.refusal(pattern.angle_deg));
+  pattern.turn_deg = 2 * degrees(found->pass.turn_rad());
+  pattern.length_mm = 2 * found->pass.length_mm();
+  pattern.opening_first_mm = pattern.opening_last_mm = R;
+  pattern.ratio_first = found->ratio_first;
+  pattern.ratio_last = found->ratio_last;
+  pattern.overlap = tow.width_mm / pitch - 1;
+  return pattern;
 }
 
 VesselReport write_vessel_program(const VesselWinding& winding, const MachineProfile& profile,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,12 +10,15 @@
 
 namespace afptraj {
 
-/// A helical layer between the polar openings of a mandrel with a meridian.
+/// A helical layer between the places of a mandrel with a meridian where its fibre turns, or hoops on its
+/// widest stretch.
 struct VesselLayer {
   double angle_deg = 0;  ///< at the widest place, from the axis
   double tolerance_deg = 1;
   double most_overlap = 0.1;
   std::optional<std::int64_t> circuits = {}, stride = {};  ///< choose a pattern; otherwise the first is taken
+  SteeringRule steering = {};                              ///< without its tow width, which is the winding's
+  bool hoop = false;                                       ///< nothing above counts
 };
 
 struct VesselWinding {
@@ -22,10 +26,13 @@ struct VesselWinding {
   WindTow tow;
   double feed_mm_per_min = 0;
   std::vector<VesselLayer> layers;
+  bool growth = true;  ///< each layer is wound on what those before it have left (grown_mandrel)
 };
 
 struct VesselLayerReport {
-  VesselPattern pattern;
+  std::shared_ptr<const Meridian> mandrel;               ///< on which it is wound
+  VesselPattern pattern;                                 ///< of hoops: one circuit
+  double least_thickness_mm = 0, most_thickness_mm = 0;  ///< of the layer, from turn to turn
   std::int64_t lines = 0;
   double laid_mm = 0, repositioned_mm = 0;  ///< of fibre; of the carriage between layers
   double asked_time_s = 0;                  ///< at the feed, within the axes' speeds
@@ -44,6 +51,13 @@ struct VesselReport {
 /// Throws Error(no_path, "layer N", ...) when none does, naming what would.
 VesselPattern layer_pattern(const Meridian& meridian, const WindTow& tow, const VesselLayer& layer,
                             std::size_t number);
+
+/// Hoops, there and back, tow beside tow: a screw of about the tow's width on the widest stretch, that bends
+/// to a circle and back within half a turn each at its ends, which takes next to no friction. Throws
+/// Error(no_path, "layer N", ...) where that stretch is shorter than two tows.
+VesselPattern hoop_pattern(const Meridian& meridian, const WindTow& tow, std::size_t number);
+/// How its passes are steered.
+SteeringRule hoop_rule(double angle_deg, const WindTow& tow);
 
 /// Writes the program of a winding for a machine. Between layers the tow is cut, the eye goes out to where it
 /// is free of the mandrel, along it, and in again. Throws Error(no_path) for a layer without pattern, a

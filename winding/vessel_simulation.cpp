@@ -12,40 +12,23 @@
 namespace afptraj {
 namespace {
 
-// The parameter of the meridian's place nearest to (z, r): the nearest of many, and Newton's method.
-double nearest(const Meridian& meridian, double z, double r) {
-  constexpr int samples = 64;
-  const std::vector<double>& breaks = meridian.breaks();
-  double best = breaks.front(), least = 1e300;
-  for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-    for (int k = 0; k <= samples; ++k) {
-      const double t = breaks[i] + (breaks[i + 1] - breaks[i]) * k / samples;
-      const MeridianPoint at = meridian.at(t);
-      const double far = std::hypot(at.z_mm - z, at.r_mm - r);
-      if (far < least) least = far, best = t;
-    }
-  }
-  for (int i = 0; i < 20; ++i) {
-    const MeridianPoint at = meridian.at(best);
-    best += ((z - at.z_mm) * at.dz + (r - at.r_mm) * at.dr) / (at.speed() * at.speed());
-    best = std::clamp(best, meridian.first(), meridian.last());
-  }
-  return best;
-}
-
 // Where passes begin that leave the first end: the first point, and where the path turns from back to there.
 std::vector<double> starts_deg(const std::vector<ContactPoint>& path) {
   std::vector<double> out;
   constexpr double square = std::numbers::pi / 2;
+  constexpr double surely_back_rad = 0.01;  // where a fibre turns slowly its angle may waver
+  bool back = false;
   if (path.front().angle_rad <= square + 1e-6) out.push_back(degrees(path.front().turn_rad));
   for (std::size_t i = 1; i < path.size(); ++i) {
     const double a = path[i - 1].angle_rad - square, b = path[i].angle_rad - square;
     // what turns beside the beginning is the beginning, and beside the end no start any more
     const double margin = 2 * simulation_step_mm;
-    if (!(a > 0 && b <= 0) || path[i].length_mm < margin ||
+    back = back || a > surely_back_rad;
+    if (!(back && a > 0 && b <= 0) || path[i].length_mm < margin ||
         path[i].length_mm > path.back().length_mm - margin)
       continue;
     const double share = a / (a - b);
+    back = false;
     out.push_back(degrees(path[i - 1].turn_rad + share * (path[i].turn_rad - path[i - 1].turn_rad)));
   }
   return out;
@@ -62,6 +45,80 @@ std::vector<std::vector<ContactPoint>> stretches(const std::vector<ContactPoint>
     running = wanted;
   }
   return out;
+}
+
+// Where the passes of a path begin and end round the mandrel.
+struct Ends {
+  double from_rad = 0, to_rad = 0;
+};
+
+Ends ends_of(const std::vector<ContactPoint>& path, std::size_t first, std::size_t last) {
+  // between a pass's last point and the next one's first the fibre turns, where its angle is square
+  const auto turned = [&](std::size_t i) {
+    const double square = std::numbers::pi / 2;
+    const double a = path[i].angle_rad - square, b = path[i + 1].angle_rad - square;
+    return path[i].turn_rad + a / (a - b) * (path[i + 1].turn_rad - path[i].turn_rad);
+  };
+  return {first == 0 ? path.front().turn_rad : turned(first - 1),
+          last + 1 == path.size() ? path.back().turn_rad : turned(last)};
+}
+
+// A pass there and a pass back go round the mandrel the same way while one goes along it and the other
+// against: along the axis the difference of their turns only grows, and they cross wherever it passes a whole
+// turn.
+std::int64_t crossings_of(const std::vector<ContactPoint>& path) {
+  std::vector<Ends> there, back;
+  const auto runs_back = [&](std::size_t i) { return path[i].angle_rad > std::numbers::pi / 2; };
+  const double shortest_mm = 2 * simulation_step_mm;  // what is less wavers about its turn
+  std::size_t first = 0;
+  for (std::size_t i = 1; i <= path.size(); ++i) {
+    if (i < path.size() && runs_back(i) == runs_back(first)) continue;
+    if (path[i - 1].length_mm - path[first].length_mm > shortest_mm)
+      (runs_back(first) ? back : there).push_back(ends_of(path, first, i - 1));
+    first = i;
+  }
+  constexpr double whole = 2 * std::numbers::pi, beside = 1e-4;  // of a turn: what meets where both turn
+  double sum = 0;
+  for (const Ends& a : there) {
+    for (const Ends& b : back) {
+      const double low = (a.from_rad - b.to_rad) / whole, high = (a.to_rad - b.from_rad) / whole;
+      sum += std::max(0.0, std::floor(high - beside) - std::ceil(low + beside) + 1);
+    }
+  }
+  return static_cast<std::int64_t>(sum);
+}
+
+// With alpha counted from the meridian's direction
+//   kappa_g = d alpha / d s + r' sin(alpha) / r,  kappa_n = kappa_m cos^2(alpha) + (z' / r) sin^2(alpha).
+void measure_slip(const Meridian& meridian, LaidTravel& out) {
+  const std::vector<ContactPoint>& path = out.path;
+  const auto window = static_cast<std::size_t>(slip_window_mm / simulation_step_mm);
+  if (path.size() <= window) return;
+  // sums up to each point, by the trapezoidal rule
+  std::vector<double> across{0}, pressing{0};
+  double across_before = 0, pressing_before = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const MeridianPoint at = meridian.at(path[i].t);
+    const double sine = std::sin(path[i].angle_rad), cosine = std::cos(path[i].angle_rad);
+    const double a = at.dr / at.speed() * sine / at.r_mm;
+    const double n = at.curvature() * cosine * cosine + at.dz / at.speed() * sine * sine / at.r_mm;
+    if (i > 0) {
+      const double step = path[i].length_mm - path[i - 1].length_mm;
+      across.push_back(across.back() + step * (a + across_before) / 2);
+      pressing.push_back(pressing.back() + step * (n + pressing_before) / 2);
+    }
+    across_before = a;
+    pressing_before = n;
+  }
+  for (std::size_t i = 0; i + window < path.size(); ++i) {
+    const std::size_t j = i + window;
+    const double geodesic = path[j].angle_rad - path[i].angle_rad + across[j] - across[i];
+    const double normal = pressing[j] - pressing[i];
+    const double ratio = normal > 0 ? std::abs(geodesic) / normal : 1e300;
+    if (ratio <= out.slip_ratio) continue;
+    out.slip_ratio = ratio;
+    out.slip_z_mm = path[i + window / 2].z_mm;
+  }
 }
 
 int circles_for(const Meridian& meridian, const WindTow& tow) {
@@ -91,7 +148,7 @@ void measure_eye(const Meridian& meridian, const EyeTravel& travel, LaidTravel& 
 
 LaidTravel simulate_travel(const Meridian& meridian, const WindTow& tow, const EyeTravel& travel) {
   LaidTravel out;
-  const double start = nearest(meridian, travel.start_z_mm, travel.start_r_mm);
+  const double start = meridian.nearest(travel.start_z_mm, travel.start_r_mm);
   out.path = follow_thread(meridian, start, travel.start_turn_rad, travel.eyes, simulation_step_mm);
   if (out.path.empty()) return out;
   out.laid_mm = out.path.back().length_mm;
@@ -112,6 +169,8 @@ LaidTravel simulate_travel(const Meridian& meridian, const WindTow& tow, const E
   std::vector<double> starts = starts_deg(out.path);
   out.starts = static_cast<std::int64_t>(starts.size());
   out.start_error_deg = uneven_deg(std::move(starts));
+  out.crossings = crossings_of(out.path);
+  measure_slip(meridian, out);
   measure_eye(meridian, travel, out);
   return out;
 }
