@@ -28,11 +28,13 @@ struct WindArguments {
 
 /// What follows `afptraj fill`.
 struct FillArguments {
-  enum class Pattern { contour, outline };
+  enum class Pattern { contour, outline, raster, zigzag };
   Pattern pattern = Pattern::contour;
   std::string file, output;
-  std::string pattern_text, spacing, compensate, corner_radius, tolerance;  ///< as typed
+  std::string pattern_text, spacing, compensate, corner_radius, tolerance, angle, max_link;  ///< as typed
   double spacing_mm = 1, compensate_mm = -0.5, corner_radius_mm = 0.25, tolerance_mm = 1e-3;
+  double angle_deg = 0, max_link_mm = 10;
+  bool outline = false;
 };
 
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.

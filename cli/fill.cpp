@@ -9,6 +9,7 @@
 #include "cli/part_file.h"
 #include "cli/terminal.h"
 #include "fill/contour_parallel.h"
+#include "fill/line_fill.h"
 #include "geometry/error.h"
 #include "io/fill_files.h"
 #include "io/number_text.h"
@@ -47,6 +48,18 @@ Fill make_fill(const Slice& slice, const FillArguments& arguments) {
                                       arguments.corner_radius_mm});
     case Pattern::outline:
       return outline_only(slice, arguments);
+    case Pattern::raster:
+    case Pattern::zigzag: {
+      LineOptions options;
+      options.spacing_mm = arguments.spacing_mm;
+      options.angle_rad = arguments.angle_deg * pi / 180;
+      options.first_mm = -arguments.compensate_mm;
+      options.tolerance_mm = arguments.tolerance_mm;
+      options.outline = arguments.outline;
+      options.zigzag = arguments.pattern == Pattern::zigzag;
+      options.most_link_mm = arguments.max_link_mm;
+      return line_fill(slice, options);
+    }
   }
   return {};
 }
@@ -59,6 +72,12 @@ std::vector<std::pair<std::string, std::string>> options_of(const FillArguments&
       {"tolerance_mm", number_text(arguments.tolerance_mm)}};
   if (arguments.pattern == Pattern::contour)
     options.emplace_back("corner_radius_mm", number_text(arguments.corner_radius_mm));
+  if (arguments.pattern == Pattern::raster || arguments.pattern == Pattern::zigzag) {
+    options.emplace_back("angle_deg", number_text(arguments.angle_deg));
+    options.emplace_back("outline", arguments.outline ? "yes" : "no");
+  }
+  if (arguments.pattern == Pattern::zigzag)
+    options.emplace_back("max_link_mm", number_text(arguments.max_link_mm));
   return options;
 }
 
@@ -71,9 +90,14 @@ std::string table(const FillReport& report, const Fill& fill) {
   return row("slice", short_number(report.slice_mm2, 7) + " mm2") +
          row("paths", std::to_string(report.paths) + ", " + short_number(report.length_mm, 7) +
                           " mm, travel " + short_number(report.travel_mm, 6) + " mm") +
+         (fill.links.count == 0
+              ? std::string()
+              : row("links", std::to_string(fill.links.count) + ", " + short_number(fill.links.length_mm, 6) +
+                                 " mm, the longest " + short_number(fill.links.longest_mm) + " mm")) +
          row("underfill", short_number(100 * report.underfill) + " %, of which no bead reaches " +
                               short_number(100 * report.unreachable) + " %") +
-         row("overfill", short_number(100 * report.overfill) + " %") +
+         row("overfill", short_number(100 * report.overfill) + " %, with the round ends of beads " +
+                             short_number(100 * report.overfill_with_ends) + " %") +
          row("outside", short_number(100 * report.outside) + " %") +
          row("sharp corners", std::to_string(report.sharp_corners)) +
          row("turning radius", std::isfinite(report.min_turning_radius_mm)

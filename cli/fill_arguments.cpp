@@ -13,12 +13,15 @@ const char* const fill_examples = R"(Examples:
   afptraj fill slice.csv --spacing 1
   afptraj fill slice.csv --spacing 0.8 --compensate -0.5 -o result --force
   afptraj fill slice.csv --pattern outline --compensate 1.5
+  afptraj fill slice.csv --pattern zigzag --angle 60 --outline
 
 A slice is a table path,i,x,y of closed rings: outlines, holes, islands in holes, any sense.
 Writes paths.csv, summary.json and fill.svg.)";
 
 const std::map<std::string, FillArguments::Pattern> patterns{{"contour", FillArguments::Pattern::contour},
-                                                             {"outline", FillArguments::Pattern::outline}};
+                                                             {"outline", FillArguments::Pattern::outline},
+                                                             {"raster", FillArguments::Pattern::raster},
+                                                             {"zigzag", FillArguments::Pattern::zigzag}};
 
 }  // namespace
 
@@ -27,8 +30,10 @@ CLI::App* add_fill_command(CLI::App& app, FillArguments& arguments, const WindFl
   fill->footer(fill_examples);
   fill->add_option("slice", arguments.file, "the slice: closed rings")->type_name("slice.csv");
   fill->add_option("-o,--output", arguments.output, "result directory [<slice>-afptraj]")->type_name("DIR");
-  fill->add_option("--pattern", arguments.pattern_text,
-                   "contour (rings) or outline (the outermost only) [contour]")
+  fill->add_option(
+          "--pattern", arguments.pattern_text,
+          "contour (rings), outline (the outermost only), raster (lines) or zigzag (lines joined along the "
+          "boundary) [contour]")
       ->type_name("PATTERN");
   fill->add_option("--spacing", arguments.spacing, "from path to path, and width of a bead [1]")
       ->type_name("MM");
@@ -37,6 +42,12 @@ CLI::App* add_fill_command(CLI::App& app, FillArguments& arguments, const WindFl
       ->type_name("MM");
   fill->add_option("--corner-radius", arguments.corner_radius,
                    "contour: radius of the rings' convex corners, at most spacing/2 [spacing/4]")
+      ->type_name("MM");
+  fill->add_option("--angle", arguments.angle, "raster, zigzag: of the lines, from x towards y [0]")
+      ->type_name("DEG");
+  fill->add_flag("--outline", arguments.outline,
+                 "raster, zigzag: rings round the lines, and paths in what stays bare");
+  fill->add_option("--max-link", arguments.max_link, "zigzag: longest link from line to line [10 spacing]")
       ->type_name("MM");
   fill->add_option("--tolerance", arguments.tolerance,
                    "a path's chords lie this near to the exact arcs [0.001]")
@@ -58,7 +69,7 @@ void finish_fill(FillArguments& arguments) {
       const std::string hint = did_you_mean(arguments.pattern_text, names);
       throw Error(ErrorCode::usage, "--pattern",
                   "'" + printable(arguments.pattern_text) + "' is unknown" +
-                      (hint.empty() ? "; this version has contour and outline" : hint));
+                      (hint.empty() ? "; this version has contour, outline, raster and zigzag" : hint));
     }
     arguments.pattern = found->second;
   }
@@ -74,6 +85,20 @@ void finish_fill(FillArguments& arguments) {
       arguments.corner_radius.empty()
           ? arguments.spacing_mm / 4
           : bounded("--corner-radius", arguments.corner_radius, 0, arguments.spacing_mm / 2, false);
+  const bool lines = arguments.pattern == FillArguments::Pattern::raster ||
+                     arguments.pattern == FillArguments::Pattern::zigzag;
+  if (!arguments.angle.empty()) {
+    if (!lines)
+      throw Error(ErrorCode::usage, "--angle", "is of the raster and zigzag patterns only; leave it out");
+    arguments.angle_deg = bounded("--angle", arguments.angle, -360, 360, false);
+  }
+  if (arguments.outline && !lines)
+    throw Error(ErrorCode::usage, "--outline", "is of the raster and zigzag patterns only; leave it out");
+  if (!arguments.max_link.empty() && arguments.pattern != FillArguments::Pattern::zigzag)
+    throw Error(ErrorCode::usage, "--max-link", "is of the zigzag pattern only; leave it out");
+  arguments.max_link_mm = arguments.max_link.empty()
+                              ? 10 * arguments.spacing_mm
+                              : bounded("--max-link", arguments.max_link, 0, 10 * greatest, false);
   if (!arguments.tolerance.empty())
     arguments.tolerance_mm = bounded("--tolerance", arguments.tolerance, 1e-6, arguments.spacing_mm, false);
 }

@@ -71,6 +71,19 @@ std::vector<ArcRing> offset_rings(const Slice& slice, double distance_mm, double
   return DistanceDiagram::of(slice, std::max(0.0, -distance_mm)).level(distance_mm, tolerance_mm);
 }
 
+std::vector<FillPath> outermost_paths(const Slice& slice, const DistanceDiagram& diagram, double first_mm,
+                                      double tolerance_mm) {
+  const double thin = 4 * diagram.unit_mm();
+  std::vector<FillPath> paths;
+  for (const ArcRing& ring : first_mm == 0 ? boundary(slice) : diagram.level(first_mm, thin)) {
+    Polyline line = flattened(ring, tolerance_mm);
+    if (line.points.size() >= 3) paths.push_back({std::move(line), PathKind::outline, 0});
+  }
+  for (Polyline& line : exact_strips(diagram, first_mm, thin))
+    paths.push_back({std::move(line), PathKind::centre, 0});
+  return paths;
+}
+
 Fill contour_parallel(const Slice& slice, const ContourOptions& options) {
   Fill fill;
   const DistanceDiagram diagram = DistanceDiagram::of(slice, std::max(0.0, -options.first_mm));

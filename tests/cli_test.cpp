@@ -154,6 +154,21 @@ TEST_F(Cli, FillWritesADirectory) {
   expect_error(run({"fill", "square.csv", "-o", "out"}), 5, "give --force");
 }
 
+TEST_F(Cli, FillWithLines) {
+  write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
+  const Outcome zigzag =
+      run({"fill", "square.csv", "--pattern", "zigzag", "--angle", "90", "-o", "out", "--json"});
+  ASSERT_EQ(zigzag.code, 0) << zigzag.err;
+  const auto json = nlohmann::json::parse(zigzag.out);
+  EXPECT_EQ(json["fill"]["paths"], 1);
+  EXPECT_EQ(json["fill"]["links"], 9);
+  EXPECT_EQ(json["options"]["angle_deg"], 90);
+  const Outcome raster =
+      run({"fill", "square.csv", "--pattern", "raster", "--outline", "-o", "raster", "--json"});
+  ASSERT_EQ(raster.code, 0) << raster.err;
+  EXPECT_EQ(nlohmann::json::parse(raster.out)["paths"][0]["kind"], "outline");
+}
+
 TEST_F(Cli, FillRefuses) {
   write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
   write("bow.csv", "path,i,x,y\n0,0,0,0\n0,1,10,10\n0,2,10,0\n0,3,0,10\n");
@@ -163,7 +178,11 @@ TEST_F(Cli, FillRefuses) {
   expect_error(run({"fill", "nan.csv"}), 3, "nan.csv:3: ");
   expect_error(run({"fill", "empty.csv"}), 3, "empty.csv: ");
   expect_error(run({"fill", "square.csv", "--spacing", "0"}), 2, "--spacing: ");
-  expect_error(run({"fill", "square.csv", "--pattern", "raster"}), 2, "--pattern: 'raster' is unknown");
+  expect_error(run({"fill", "square.csv", "--pattern", "rastr"}), 2, "--pattern: 'rastr' is unknown");
+  expect_error(run({"fill", "square.csv", "--angle", "30"}), 2, "--angle: is of the raster");
+  expect_error(run({"fill", "square.csv", "--pattern", "raster", "--max-link", "3"}), 2,
+               "--max-link: is of the");
+  expect_error(run({"fill", "square.csv", "--pattern", "zigzag", "--angle", "x"}), 2, "--angle: ");
   expect_error(run({"fill", "square.csv", "--spacing", "11"}), 4, "no path fits");
   EXPECT_EQ(names(), (std::set<std::string>{"square.csv", "bow.csv", "nan.csv", "empty.csv"}));
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -7,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "fill/fill_path.h"
 #include "fill/slice.h"
 
 namespace afptraj::test {
@@ -99,6 +101,36 @@ inline std::vector<Polyline> boundary_of(const Slice& slice) {
   std::vector<Polyline> out;
   for (const SliceRing& ring : slice.rings()) out.push_back({ring.points, true});
   return out;
+}
+
+/// Pieces of two paths, or of one, that cross beyond their ends.
+inline int crossings(const std::vector<FillPath>& paths) {
+  struct Piece {
+    Vec2 a, b;
+  };
+  std::vector<Piece> pieces;
+  for (const FillPath& path : paths) {
+    const auto& points = path.line.points;
+    for (std::size_t i = 0; i + (path.line.closed ? 0 : 1) < points.size(); ++i)
+      pieces.push_back({points[i], points[(i + 1) % points.size()]});
+  }
+  std::sort(pieces.begin(), pieces.end(), [](const Piece& p, const Piece& q) {
+    return std::min(p.a.x(), p.b.x()) < std::min(q.a.x(), q.b.x());
+  });
+  int count = 0;
+  const auto side = [](const Piece& p, const Vec2& q) { return cross((p.b - p.a).normalized(), q - p.a); };
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const double right = std::max(pieces[i].a.x(), pieces[i].b.x());
+    for (std::size_t j = i + 1; j < pieces.size() && std::min(pieces[j].a.x(), pieces[j].b.x()) < right;
+         ++j) {
+      constexpr double touch = 1e-7;
+      const double a = side(pieces[i], pieces[j].a), b = side(pieces[i], pieces[j].b),
+                   c = side(pieces[j], pieces[i].a), d = side(pieces[j], pieces[i].b);
+      if (std::min(std::abs(a), std::abs(b)) < touch || std::min(std::abs(c), std::abs(d)) < touch) continue;
+      count += a * b < 0 && c * d < 0;
+    }
+  }
+  return count;
 }
 
 }  // namespace afptraj::test
