@@ -29,12 +29,16 @@ struct WindArguments {
 /// What follows `afptraj fill`.
 struct FillArguments {
   enum class Pattern { contour, outline, raster, zigzag };
+  enum class Connect { none, nested, spiral };
   Pattern pattern = Pattern::contour;
   std::string file, output;
-  std::string pattern_text, spacing, compensate, corner_radius, tolerance, angle, max_link;  ///< as typed
+  std::string pattern_text, spacing, compensate, corner_radius, tolerance, angle, max_link, connect_text,
+      least_void;  ///< as typed
   double spacing_mm = 1, compensate_mm = -0.5, corner_radius_mm = 0.25, tolerance_mm = 1e-3;
   double angle_deg = 0, max_link_mm = 10;
+  double least_void_mm2 = 0.05;
   bool outline = false;
+  Connect connect = Connect::none;
 };
 
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/part_file.h"
 #include "cli/terminal.h"
+#include "fill/connect.h"
 #include "fill/contour_parallel.h"
 #include "fill/line_fill.h"
 #include "geometry/error.h"
@@ -42,10 +43,17 @@ Fill outline_only(const Slice& slice, const FillArguments& arguments) {
 }
 
 Fill make_fill(const Slice& slice, const FillArguments& arguments) {
+  const double void_share = arguments.least_void_mm2 / (arguments.spacing_mm * arguments.spacing_mm);
   switch (arguments.pattern) {
-    case Pattern::contour:
-      return contour_parallel(slice, {arguments.spacing_mm, -arguments.compensate_mm, arguments.tolerance_mm,
-                                      arguments.corner_radius_mm});
+    case Pattern::contour: {
+      const Fill rings =
+          contour_parallel(slice, {arguments.spacing_mm, -arguments.compensate_mm, arguments.tolerance_mm,
+                                   arguments.corner_radius_mm, void_share});
+      if (arguments.connect == FillArguments::Connect::none) return rings;
+      return connected(
+          rings, slice, arguments.spacing_mm,
+          arguments.connect == FillArguments::Connect::spiral ? Connection::spiral : Connection::nested);
+    }
     case Pattern::outline:
       return outline_only(slice, arguments);
     case Pattern::raster:
@@ -58,6 +66,7 @@ Fill make_fill(const Slice& slice, const FillArguments& arguments) {
       options.outline = arguments.outline;
       options.zigzag = arguments.pattern == Pattern::zigzag;
       options.most_link_mm = arguments.max_link_mm;
+      options.least_void_share = void_share;
       return line_fill(slice, options);
     }
   }
@@ -72,6 +81,10 @@ std::vector<std::pair<std::string, std::string>> options_of(const FillArguments&
       {"tolerance_mm", number_text(arguments.tolerance_mm)}};
   if (arguments.pattern == Pattern::contour)
     options.emplace_back("corner_radius_mm", number_text(arguments.corner_radius_mm));
+  if (arguments.connect != FillArguments::Connect::none)
+    options.emplace_back("connect", arguments.connect_text);
+  if (arguments.pattern == Pattern::contour || arguments.outline)
+    options.emplace_back("least_void_mm2", number_text(arguments.least_void_mm2));
   if (arguments.pattern == Pattern::raster || arguments.pattern == Pattern::zigzag) {
     options.emplace_back("angle_deg", number_text(arguments.angle_deg));
     options.emplace_back("outline", arguments.outline ? "yes" : "no");

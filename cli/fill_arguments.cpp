@@ -13,6 +13,7 @@ const char* const fill_examples = R"(Examples:
   afptraj fill slice.csv --spacing 1
   afptraj fill slice.csv --spacing 0.8 --compensate -0.5 -o result --force
   afptraj fill slice.csv --pattern outline --compensate 1.5
+  afptraj fill slice.csv --connect spiral
   afptraj fill slice.csv --pattern zigzag --angle 60 --outline
 
 A slice is a table path,i,x,y of closed rings: outlines, holes, islands in holes, any sense.
@@ -49,6 +50,13 @@ CLI::App* add_fill_command(CLI::App& app, FillArguments& arguments, const WindFl
                  "raster, zigzag: rings round the lines, and paths in what stays bare");
   fill->add_option("--max-link", arguments.max_link, "zigzag: longest link from line to line [10 spacing]")
       ->type_name("MM");
+  fill->add_option(
+          "--connect", arguments.connect_text,
+          "contour: rings become one path, nested (links out and back) or spiral (connected Fermat spirals)")
+      ->type_name("HOW");
+  fill->add_option("--least-void", arguments.least_void,
+                   "contour, --outline: larger bare places get a path [0.05 spacing^2; with --connect 0.28]")
+      ->type_name("MM2");
   fill->add_option("--tolerance", arguments.tolerance,
                    "a path's chords lie this near to the exact arcs [0.001]")
       ->type_name("MM");
@@ -99,6 +107,24 @@ void finish_fill(FillArguments& arguments) {
   arguments.max_link_mm = arguments.max_link.empty()
                               ? 10 * arguments.spacing_mm
                               : bounded("--max-link", arguments.max_link, 0, 10 * greatest, false);
+  if (!arguments.connect_text.empty()) {
+    if (arguments.pattern != FillArguments::Pattern::contour)
+      throw Error(ErrorCode::usage, "--connect", "is of the contour pattern only; leave it out");
+    if (arguments.connect_text != "nested" && arguments.connect_text != "spiral")
+      throw Error(ErrorCode::usage, "--connect",
+                  "'" + printable(arguments.connect_text) + "' is unknown; give nested or spiral");
+    arguments.connect =
+        arguments.connect_text == "spiral" ? FillArguments::Connect::spiral : FillArguments::Connect::nested;
+  }
+  if (!arguments.least_void.empty() && arguments.pattern != FillArguments::Pattern::contour &&
+      !arguments.outline)
+    throw Error(ErrorCode::usage, "--least-void",
+                "is of the contour pattern and --outline only; leave it out");
+  const double share = arguments.connect == FillArguments::Connect::none ? 0.05 : 0.28;
+  arguments.least_void_mm2 =
+      arguments.least_void.empty()
+          ? share * arguments.spacing_mm * arguments.spacing_mm
+          : bounded("--least-void", arguments.least_void, 0, greatest * greatest, false);
   if (!arguments.tolerance.empty())
     arguments.tolerance_mm = bounded("--tolerance", arguments.tolerance, 1e-6, arguments.spacing_mm, false);
 }

@@ -90,8 +90,10 @@ Fill contour_parallel(const Slice& slice, const ContourOptions& options) {
   const double thin = 4 * diagram.unit_mm();  // rings thinner than rounding are none
   for (int k = 0;; ++k) {
     const double distance = options.first_mm + k * options.spacing_mm;
-    if (distance > 0 && distance + thin > diagram.greatest_mm()) break;
-    std::vector<ArcRing> rings = distance == 0 ? boundary(slice) : diagram.level(distance, thin);
+    // Where a ring would run along both sides of next to nothing it is left to a path along the middle.
+    const double least = k == 0 ? thin : std::max(thin, options.spacing_mm / 50);
+    if (distance > 0 && distance + least > diagram.greatest_mm()) break;
+    std::vector<ArcRing> rings = distance == 0 ? boundary(slice) : diagram.level(distance, least);
     // what the outermost ring leaves bare at a corner nothing else could fill: its corners stay
     if (k > 0 && options.corner_mm > 0 && distance + options.corner_mm > 0)
       rings = rounded(rings, diagram.level(distance + options.corner_mm, thin), options.corner_mm);

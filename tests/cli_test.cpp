@@ -169,6 +169,19 @@ TEST_F(Cli, FillWithLines) {
   EXPECT_EQ(nlohmann::json::parse(raster.out)["paths"][0]["kind"], "outline");
 }
 
+TEST_F(Cli, FillAsOnePath) {
+  write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,20,0\n0,2,20,20\n0,3,0,20\n");
+  for (const std::string how : {"nested", "spiral"}) {
+    const Outcome joined = run({"fill", "square.csv", "--connect", how, "-o", how, "--json"});
+    ASSERT_EQ(joined.code, 0) << joined.err;
+    const auto json = nlohmann::json::parse(joined.out);
+    EXPECT_EQ(json["fill"]["paths"], 1);
+    EXPECT_EQ(json["paths"][0]["kind"], "joined");
+    EXPECT_EQ(json["paths"][0]["closed"], how == "nested");
+    EXPECT_EQ(json["options"]["connect"], how);
+  }
+}
+
 TEST_F(Cli, FillRefuses) {
   write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
   write("bow.csv", "path,i,x,y\n0,0,0,0\n0,1,10,10\n0,2,10,0\n0,3,0,10\n");
@@ -179,6 +192,11 @@ TEST_F(Cli, FillRefuses) {
   expect_error(run({"fill", "empty.csv"}), 3, "empty.csv: ");
   expect_error(run({"fill", "square.csv", "--spacing", "0"}), 2, "--spacing: ");
   expect_error(run({"fill", "square.csv", "--pattern", "rastr"}), 2, "--pattern: 'rastr' is unknown");
+  expect_error(run({"fill", "square.csv", "--connect", "dfs"}), 2, "--connect: 'dfs' is unknown");
+  expect_error(run({"fill", "square.csv", "--pattern", "zigzag", "--connect", "spiral"}), 2,
+               "--connect: is of the");
+  expect_error(run({"fill", "square.csv", "--pattern", "outline", "--least-void", "1"}), 2,
+               "--least-void: is of");
   expect_error(run({"fill", "square.csv", "--angle", "30"}), 2, "--angle: is of the raster");
   expect_error(run({"fill", "square.csv", "--pattern", "raster", "--max-link", "3"}), 2,
                "--max-link: is of the");

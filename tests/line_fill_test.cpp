@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
 #include "analysis/judge_fill.h"
 #include "tests/slices.h"
@@ -19,44 +18,6 @@ LineOptions at(double angle_deg, bool zigzag = false, bool outline = false) {
   options.zigzag = zigzag;
   options.outline = outline;
   return options;
-}
-
-// A closed curve round `centre` between 0.75 and 1.25 `radius`.
-std::vector<Vec2> blob(std::mt19937& random, const Vec2& centre, double radius, int n) {
-  std::uniform_real_distribution<double> phase(0, 2 * pi);
-  const double p2 = phase(random), p3 = phase(random), p5 = phase(random);
-  std::vector<Vec2> points;
-  for (int i = 0; i < n; ++i) {
-    const double t = 2 * pi * i / n;
-    const double r = radius * (1 + 0.11 * std::sin(2 * t + p2) + 0.08 * std::sin(3 * t + p3) +
-                               0.06 * std::sin(5 * t + p5));
-    points.push_back(centre + r * Vec2(std::cos(t), std::sin(t)));
-  }
-  return points;
-}
-
-// Outlines with up to three holes each and islands in them, coarse or fine, in any sense.
-Slice random_slice(unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<std::vector<Vec2>> rings;
-  const auto add = [&](const Vec2& centre, double radius) {
-    rings.push_back(blob(random, centre, radius, 12 + static_cast<int>(70 * unit(random))));
-    if (unit(random) < 0.5) rings.back() = reverse(rings.back());
-  };
-  const int outlines = 1 + static_cast<int>(2 * unit(random));
-  for (int k = 0; k < outlines; ++k) {
-    const Vec2 middle(40 * k, 5 * unit(random));
-    add(middle, 14);
-    for (int h = 0; h < 3; ++h) {
-      if (unit(random) < 0.3) continue;
-      const double t = 2 * pi * h / 3 + unit(random), radius = 1 + 2.5 * unit(random);
-      const Vec2 centre = middle + 5.8 * Vec2(std::cos(t), std::sin(t));
-      add(centre, radius);
-      if (radius > 2.5) add(centre, radius * 0.5);
-    }
-  }
-  return slice_of(rings);
 }
 
 double lines_mm(const Fill& fill) {
