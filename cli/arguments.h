@@ -37,7 +37,9 @@ struct FillArguments {
   double spacing_mm = 1, compensate_mm = -0.5, corner_radius_mm = 0.25, tolerance_mm = 1e-3;
   double angle_deg = 0, max_link_mm = 10;
   double least_void_mm2 = 0.05;
-  bool outline = false;
+  std::string feed, extrusion;  ///< as typed
+  double feed_mm_per_min = 1200, extrusion_mm_per_mm = 0;
+  bool outline = false, gcode = false, vtp = false;
   Connect connect = Connect::none;
 };
 

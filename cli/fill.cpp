@@ -1,3 +1,4 @@
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -13,9 +14,12 @@
 #include "fill/line_fill.h"
 #include "geometry/error.h"
 #include "io/fill_files.h"
+#include "io/fill_programs.h"
 #include "io/number_text.h"
 #include "io/output_directory.h"
 #include "io/slice_csv.h"
+#include "io/slice_dxf.h"
+#include "io/slice_svg.h"
 #include "io/step/sha256.h"
 #include "io/text_file.h"
 
@@ -31,6 +35,14 @@ std::string utc_now() {
   char text[32];
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
   return text;
+}
+
+SliceFile read_any_slice(const FillArguments& arguments) {
+  std::string extension = std::filesystem::path(arguments.file).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".svg") return read_slice_svg(arguments.file, arguments.tolerance_mm);
+  if (extension == ".dxf") return read_slice_dxf(arguments.file, arguments.tolerance_mm);
+  return read_slice(arguments.file);
 }
 
 Fill outline_only(const Slice& slice, const FillArguments& arguments) {
@@ -81,6 +93,10 @@ std::vector<std::pair<std::string, std::string>> options_of(const FillArguments&
       {"tolerance_mm", number_text(arguments.tolerance_mm)}};
   if (arguments.pattern == Pattern::contour)
     options.emplace_back("corner_radius_mm", number_text(arguments.corner_radius_mm));
+  if (arguments.gcode) {
+    options.emplace_back("feed_mm_per_min", number_text(arguments.feed_mm_per_min));
+    options.emplace_back("extrusion_mm_per_mm", number_text(arguments.extrusion_mm_per_mm));
+  }
   if (arguments.connect != FillArguments::Connect::none)
     options.emplace_back("connect", arguments.connect_text);
   if (arguments.pattern == Pattern::contour || arguments.outline)
@@ -141,7 +157,7 @@ int fill(const Arguments& arguments) {
       asked.output.empty() ? std::filesystem::path(asked.file).stem().string() + "-afptraj" : asked.output;
   require_readable_file(asked.file);
   check_output(target, arguments.force, {asked.file});
-  const SliceFile file = read_slice(asked.file);
+  const SliceFile file = read_any_slice(asked);
   constexpr std::size_t any_size = std::size_t{1} << 40;
   record.inputs = {{"slice", asked.file, sha256_hex(read_file(asked.file, any_size))}};
   for (const std::string& warning : file.warnings) record.warnings.push_back(asked.file + ": " + warning);
@@ -160,6 +176,16 @@ int fill(const Arguments& arguments) {
   OutputDirectory output(target, arguments.force, {asked.file});
   output.write("paths.csv", fill_paths_csv(fill, file.z_mm));
   output.write("fill.svg", fill_svg(file.slice, fill, asked.spacing_mm));
+  record.files = {"paths.csv", "summary.json", "fill.svg"};
+  if (asked.gcode) {
+    output.write("paths.gcode",
+                 fill_gcode(fill, {asked.feed_mm_per_min, asked.extrusion_mm_per_mm, file.z_mm}));
+    record.files.push_back("paths.gcode");
+  }
+  if (asked.vtp) {
+    output.write("paths.vtp", fill_vtp(fill, file.z_mm));
+    record.files.push_back("paths.vtp");
+  }
   done("write");
   const std::string summary = fill_summary_json(record, file.slice, fill, report);
   output.write("summary.json", summary);
@@ -168,7 +194,9 @@ int fill(const Arguments& arguments) {
     print(summary);
   } else if (!arguments.quiet) {
     for (const std::string& warning : record.warnings) print_note("afptraj: warning: " + warning);
-    print(table(report, fill) + "wrote " + target + "/{paths.csv,summary.json,fill.svg}\n");
+    std::string names;
+    for (const std::string& name : record.files) names += (names.empty() ? "" : ",") + name;
+    print(table(report, fill) + "wrote " + target + "/{" + names + "}\n");
   }
   return 0;
 }

@@ -16,8 +16,8 @@ const char* const fill_examples = R"(Examples:
   afptraj fill slice.csv --connect spiral
   afptraj fill slice.csv --pattern zigzag --angle 60 --outline
 
-A slice is a table path,i,x,y of closed rings: outlines, holes, islands in holes, any sense.
-Writes paths.csv, summary.json and fill.svg.)";
+A slice is closed rings: outlines, holes, islands in holes, any sense. A table path,i,x,y (.csv), or the closed
+shapes of a drawing (.svg, .dxf). Writes paths.csv, summary.json and fill.svg; paths.gcode and paths.vtp if asked.)";
 
 const std::map<std::string, FillArguments::Pattern> patterns{{"contour", FillArguments::Pattern::contour},
                                                              {"outline", FillArguments::Pattern::outline},
@@ -29,7 +29,7 @@ const std::map<std::string, FillArguments::Pattern> patterns{{"contour", FillArg
 CLI::App* add_fill_command(CLI::App& app, FillArguments& arguments, const WindFlags& flags) {
   CLI::App* fill = app.add_subcommand("fill", "Fills a planar slice with paths.");
   fill->footer(fill_examples);
-  fill->add_option("slice", arguments.file, "the slice: closed rings")->type_name("slice.csv");
+  fill->add_option("slice", arguments.file, "the slice: closed rings")->type_name("slice.csv|svg|dxf");
   fill->add_option("-o,--output", arguments.output, "result directory [<slice>-afptraj]")->type_name("DIR");
   fill->add_option(
           "--pattern", arguments.pattern_text,
@@ -60,6 +60,12 @@ CLI::App* add_fill_command(CLI::App& app, FillArguments& arguments, const WindFl
   fill->add_option("--tolerance", arguments.tolerance,
                    "a path's chords lie this near to the exact arcs [0.001]")
       ->type_name("MM");
+  fill->add_flag("--gcode", arguments.gcode, "write paths.gcode as well");
+  fill->add_option("--feed", arguments.feed, "of --gcode, along the paths [1200]")->type_name("MM/MIN");
+  fill->add_option("--extrusion", arguments.extrusion,
+                   "of --gcode: material fed per mm of path; 0: no E words [0]")
+      ->type_name("MM/MM");
+  fill->add_flag("--vtp", arguments.vtp, "write paths.vtp as well");
   fill->add_flag("--force", *flags.force, "replace an earlier result");
   fill->add_flag("--json", *flags.json, "print summary.json instead of a table");
   fill->add_flag("-q,--quiet", *flags.quiet, "print errors only");
@@ -107,6 +113,13 @@ void finish_fill(FillArguments& arguments) {
   arguments.max_link_mm = arguments.max_link.empty()
                               ? 10 * arguments.spacing_mm
                               : bounded("--max-link", arguments.max_link, 0, 10 * greatest, false);
+  if (!arguments.gcode && !(arguments.feed.empty() && arguments.extrusion.empty()))
+    throw Error(ErrorCode::usage, arguments.feed.empty() ? "--extrusion" : "--feed",
+                "is of --gcode only; give that as well");
+  if (!arguments.feed.empty())
+    arguments.feed_mm_per_min = bounded("--feed", arguments.feed, 1e-3, 1e6, false);
+  if (!arguments.extrusion.empty())
+    arguments.extrusion_mm_per_mm = bounded("--extrusion", arguments.extrusion, 0, 1e3, false);
   if (!arguments.connect_text.empty()) {
     if (arguments.pattern != FillArguments::Pattern::contour)
       throw Error(ErrorCode::usage, "--connect", "is of the contour pattern only; leave it out");

@@ -155,7 +155,7 @@ std::string fill_summary_json(const FillRecord& record, const Slice& slice, cons
   out["paths"] = paths_json(fill);
   out["leftovers"] = leftovers_json(fill);
   out["warnings"] = record.warnings;
-  out["files"] = {"paths.csv", "summary.json", "fill.svg"};
+  out["files"] = record.files;
   Json stages = Json::object();
   for (const StageTime& time : record.times) stages[time.stage] = rounded_number(time.seconds, 6);
   out["times"] = {{"started", record.started}, {"stages_s", stages}};

@@ -182,6 +182,29 @@ TEST_F(Cli, FillAsOnePath) {
   }
 }
 
+TEST_F(Cli, FillOfDrawings) {
+  write(
+      "square.svg",
+      "<svg width=\"50mm\" viewBox=\"0 0 50 50\"><rect x=\"5\" y=\"5\" width=\"10\" height=\"10\"/></svg>\n");
+  write("square.DXF",
+        "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n70\n1\n10\n0\n20\n0\n10\n10\n20\n0\n10\n10\n20\n10\n10\n0\n2"
+        "0\n10\n0\nENDSEC\n0\nEOF\n");
+  for (const std::string name : {"square.svg", "square.DXF"}) {
+    const Outcome filled = run({"fill", name, "--gcode", "--vtp", "--extrusion", "0.05", "--feed", "600",
+                                "-o", name + "-out", "--json"});
+    ASSERT_EQ(filled.code, 0) << filled.err;
+    const auto json = nlohmann::json::parse(filled.out);
+    EXPECT_NEAR(json["slice"]["area_mm2"].get<double>(), 100, 1e-9);
+    EXPECT_EQ(json["files"].size(), 5u);
+    EXPECT_EQ(json["options"]["feed_mm_per_min"], 600);
+    EXPECT_NE(content_of(*this / (name + "-out/paths.gcode")).find("M83\n"), std::string::npos);
+    EXPECT_NE(content_of(*this / (name + "-out/paths.vtp")).find("PolyData"), std::string::npos);
+  }
+  write("open.svg", "<svg><path d=\"M0 0L9 0L9 9\"/></svg>\n");
+  expect_error(run({"fill", "open.svg"}), 3, "open.svg:1: a 'path' is open");
+  expect_error(run({"fill", "square.svg", "--feed", "600"}), 2, "--feed: is of --gcode only");
+}
+
 TEST_F(Cli, FillRefuses) {
   write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
   write("bow.csv", "path,i,x,y\n0,0,0,0\n0,1,10,10\n0,2,10,0\n0,3,0,10\n");
