@@ -157,6 +157,11 @@ TEST_F(Drawings, DxfShapesInClosedForm) {
       dxf("0 POLYLINE 70 1 0 VERTEX 10 0 20 0 42 1 0 VERTEX 10 10 20 0 0 SEQEND 0 CIRCLE 10 40 20 0 40 1"),
       pi * 12.5 + pi, 40);
   expect_area(dxf("0 ELLIPSE 10 0 20 0 11 5 21 0 40 0.6 41 0 42 6.283185307179586"), pi * 15, 30);
+  // four quarters of a circle, one turned inwards: bulge tan(pi / 8)
+  expect_area(
+      dxf("0 LWPOLYLINE 70 1 10 5 20 0 42 0.4142135623730951 10 0 20 5 42 -0.4142135623730951 10 -5 20 0 42 "
+          "0.4142135623730951 10 0 20 -5 42 0.4142135623730951"),
+      pi * 25 - 2 * (pi * 25 / 4 - 12.5), 40);
   // a stadium of lines and arcs in no order and any sense
   expect_area(dxf("0 LINE 10 0 20 0 11 10 21 0 0 ARC 10 0 20 3 40 3 50 90 51 270 0 LINE 10 0 20 6 11 10 21 6 "
                   "0 ARC 10 10 20 3 40 3 50 -90 51 90"),
