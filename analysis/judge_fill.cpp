@@ -1,5 +1,6 @@
 #include "analysis/judge_fill.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "analysis/region_areas.h"
@@ -62,6 +63,10 @@ FillReport judge_fill(const Slice& slice, const std::vector<FillPath>& paths, do
   report.unreachable = std::max(0.0, 1 - reachable_mm2(slice, width_mm) / report.slice_mm2);
   report.outside = areas.only_first / report.slice_mm2;
   report.overfill = (report.length_mm * width_mm - report.covered_mm2) / report.slice_mm2;
+  const auto open =
+      std::count_if(paths.begin(), paths.end(), [](const FillPath& path) { return !path.line.closed; });
+  report.overfill_with_ends =
+      report.overfill + static_cast<double>(open) * pi * width_mm * width_mm / 4 / report.slice_mm2;
   return report;
 }
 

@@ -14,6 +14,7 @@ struct FillReport {
       0;                ///< share of the slice that no bead reaches without leaving it: narrow places, tips
   double outside = 0;   ///< cover outside the slice, as share of the slice
   double overfill = 0;  ///< (length x width - cover) / slice: material that is laid on material
+  double overfill_with_ends = 0;  ///< the same, and what the two round ends of each open path lay
   double length_mm = 0;
   double travel_mm = 0;  ///< from the end of each path straight to the start of the next
   int paths = 0;

@@ -33,11 +33,19 @@ struct WindArguments {
 
 /// What follows `afptraj fill`.
 struct FillArguments {
-  enum class Pattern { contour, outline };
+  enum class Pattern { contour, outline, raster, zigzag };
+  enum class Connect { none, nested, spiral };
   Pattern pattern = Pattern::contour;
   std::string file, output;
-  std::string pattern_text, spacing, compensate, corner_radius, tolerance;  ///< as typed
+  std::string pattern_text, spacing, compensate, corner_radius, tolerance, angle, max_link, connect_text,
+      least_void;  ///< as typed
   double spacing_mm = 1, compensate_mm = -0.5, corner_radius_mm = 0.25, tolerance_mm = 1e-3;
+  double angle_deg = 0, max_link_mm = 10;
+  double least_void_mm2 = 0.05;
+  std::string feed, extrusion;  ///< as typed
+  double feed_mm_per_min = 1200, extrusion_mm_per_mm = 0;
+  bool outline = false, gcode = false, vtp = false;
+  Connect connect = Connect::none;
 };
 
 /// What the command line asks for. Texts are not judged yet, except for what CLI11 must know.

@@ -71,14 +71,29 @@ std::vector<ArcRing> offset_rings(const Slice& slice, double distance_mm, double
   return DistanceDiagram::of(slice, std::max(0.0, -distance_mm)).level(distance_mm, tolerance_mm);
 }
 
+std::vector<FillPath> outermost_paths(const Slice& slice, const DistanceDiagram& diagram, double first_mm,
+                                      double tolerance_mm) {
+  const double thin = 4 * diagram.unit_mm();
+  std::vector<FillPath> paths;
+  for (const ArcRing& ring : first_mm == 0 ? boundary(slice) : diagram.level(first_mm, thin)) {
+    Polyline line = flattened(ring, tolerance_mm);
+    if (line.points.size() >= 3) paths.push_back({std::move(line), PathKind::outline, 0});
+  }
+  for (Polyline& line : exact_strips(diagram, first_mm, thin))
+    paths.push_back({std::move(line), PathKind::centre, 0});
+  return paths;
+}
+
 Fill contour_parallel(const Slice& slice, const ContourOptions& options) {
   Fill fill;
   const DistanceDiagram diagram = DistanceDiagram::of(slice, std::max(0.0, -options.first_mm));
   const double thin = 4 * diagram.unit_mm();  // rings thinner than rounding are none
   for (int k = 0;; ++k) {
     const double distance = options.first_mm + k * options.spacing_mm;
-    if (distance > 0 && distance + thin > diagram.greatest_mm()) break;
-    std::vector<ArcRing> rings = distance == 0 ? boundary(slice) : diagram.level(distance, thin);
+    // Where a ring would run along both sides of next to nothing it is left to a path along the middle.
+    const double least = k == 0 ? thin : std::max(thin, options.spacing_mm / 50);
+    if (distance > 0 && distance + least > diagram.greatest_mm()) break;
+    std::vector<ArcRing> rings = distance == 0 ? boundary(slice) : diagram.level(distance, least);
     // what the outermost ring leaves bare at a corner nothing else could fill: its corners stay
     if (k > 0 && options.corner_mm > 0 && distance + options.corner_mm > 0)
       rings = rounded(rings, diagram.level(distance + options.corner_mm, thin), options.corner_mm);

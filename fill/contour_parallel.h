@@ -17,6 +17,12 @@ struct ContourOptions {
 /// merge, split and vanish as they must.
 std::vector<ArcRing> offset_rings(const Slice& slice, double distance_mm, double tolerance_mm);
 
+/// The paths nearest to the boundary: the level curve at `first_mm`, or the boundary itself at 0, and the
+/// middle lines of strips exactly twice that wide. `diagram` is that of the slice, with a reach of at least
+/// -first_mm.
+std::vector<FillPath> outermost_paths(const Slice& slice, const DistanceDiagram& diagram, double first_mm,
+                                      double tolerance_mm);
+
 /// All rings at first, first + spacing, ... from the boundary, outlines and holes alike, each read from one
 /// diagram; with convex corners rounded (a sharp corner lays material twice inside and leaves a gap outside);
 /// then paths along the medial axes of the bare places that remain (fill/voids.h). Source of the behaviour:

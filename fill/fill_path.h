@@ -28,9 +28,21 @@ struct Leftover {
   double area_mm2 = 0;
 };
 
+/// What joins paths: stretches along the boundary of a zigzag, from ring to ring of a connected fill.
+struct Links {
+  int count = 0;
+  double length_mm = 0, longest_mm = 0;
+  void add(double mm) {
+    ++count;
+    length_mm += mm;
+    longest_mm = mm > longest_mm ? mm : longest_mm;
+  }
+};
+
 /// What a pattern lays; a value.
 struct Fill {
   std::vector<FillPath> paths;
+  Links links;                      ///< parts of the paths
   std::vector<Leftover> leftovers;  ///< holes in the cover that are too small for a path of their own
 };
 

@@ -141,17 +141,21 @@ std::string fill_summary_json(const FillRecord& record, const Slice& slice, cons
   out["fill"] = {{"paths", report.paths},
                  {"length_mm", number(report.length_mm)},
                  {"travel_mm", number(report.travel_mm)},
+                 {"links", fill.links.count},
+                 {"link_length_mm", number(fill.links.length_mm)},
+                 {"longest_link_mm", number(fill.links.longest_mm)},
                  {"covered_mm2", number(report.covered_mm2)},
                  {"underfill_percent", percent(report.underfill)},
                  {"unreachable_percent", percent(report.unreachable)},
                  {"overfill_percent", percent(report.overfill)},
+                 {"overfill_with_ends_percent", percent(report.overfill_with_ends)},
                  {"outside_percent", percent(report.outside)},
                  {"sharp_corners", report.sharp_corners},
                  {"min_turning_radius_mm", number(report.min_turning_radius_mm)}};
   out["paths"] = paths_json(fill);
   out["leftovers"] = leftovers_json(fill);
   out["warnings"] = record.warnings;
-  out["files"] = {"paths.csv", "summary.json", "fill.svg"};
+  out["files"] = record.files;
   Json stages = Json::object();
   for (const StageTime& time : record.times) stages[time.stage] = rounded_number(time.seconds, 6);
   out["times"] = {{"started", record.started}, {"stages_s", stages}};

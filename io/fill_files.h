@@ -17,6 +17,7 @@ struct FillRecord {
   std::vector<InputRecord> inputs;
   std::vector<std::pair<std::string, std::string>> options;  ///< name, value as text; numbers become numbers
   std::vector<std::string> warnings;
+  std::vector<std::string> files;  ///< that are written
   std::vector<StageTime> times;
   std::string started;  ///< wall clock, ISO 8601
 };

@@ -61,8 +61,8 @@ bool lies_in(const fs::path& file, const fs::path& directory) {
 }  // namespace
 
 const std::vector<std::string>& result_file_names() {
-  static const std::vector<std::string> names{"paths.csv", "tows.csv", "coverage.csv", "paths.step", "summary.json",
-                                              "fill.svg"};
+  static const std::vector<std::string> names{"paths.csv",    "tows.csv", "coverage.csv", "paths.step",
+                                              "summary.json", "fill.svg", "paths.gcode",  "paths.vtp"};
   return names;
 }
 

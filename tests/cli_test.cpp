@@ -154,6 +154,57 @@ TEST_F(Cli, FillWritesADirectory) {
   expect_error(run({"fill", "square.csv", "-o", "out"}), 5, "give --force");
 }
 
+TEST_F(Cli, FillWithLines) {
+  write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
+  const Outcome zigzag =
+      run({"fill", "square.csv", "--pattern", "zigzag", "--angle", "90", "-o", "out", "--json"});
+  ASSERT_EQ(zigzag.code, 0) << zigzag.err;
+  const auto json = nlohmann::json::parse(zigzag.out);
+  EXPECT_EQ(json["fill"]["paths"], 1);
+  EXPECT_EQ(json["fill"]["links"], 9);
+  EXPECT_EQ(json["options"]["angle_deg"], 90);
+  const Outcome raster =
+      run({"fill", "square.csv", "--pattern", "raster", "--outline", "-o", "raster", "--json"});
+  ASSERT_EQ(raster.code, 0) << raster.err;
+  EXPECT_EQ(nlohmann::json::parse(raster.out)["paths"][0]["kind"], "outline");
+}
+
+TEST_F(Cli, FillAsOnePath) {
+  write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,20,0\n0,2,20,20\n0,3,0,20\n");
+  for (const std::string how : {"nested", "spiral"}) {
+    const Outcome joined = run({"fill", "square.csv", "--connect", how, "-o", how, "--json"});
+    ASSERT_EQ(joined.code, 0) << joined.err;
+    const auto json = nlohmann::json::parse(joined.out);
+    EXPECT_EQ(json["fill"]["paths"], 1);
+    EXPECT_EQ(json["paths"][0]["kind"], "joined");
+    EXPECT_EQ(json["paths"][0]["closed"], how == "nested");
+    EXPECT_EQ(json["options"]["connect"], how);
+  }
+}
+
+TEST_F(Cli, FillOfDrawings) {
+  write(
+      "square.svg",
+      "<svg width=\"50mm\" viewBox=\"0 0 50 50\"><rect x=\"5\" y=\"5\" width=\"10\" height=\"10\"/></svg>\n");
+  write("square.DXF",
+        "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n70\n1\n10\n0\n20\n0\n10\n10\n20\n0\n10\n10\n20\n10\n10\n0\n2"
+        "0\n10\n0\nENDSEC\n0\nEOF\n");
+  for (const std::string name : {"square.svg", "square.DXF"}) {
+    const Outcome filled = run({"fill", name, "--gcode", "--vtp", "--extrusion", "0.05", "--feed", "600",
+                                "-o", name + "-out", "--json"});
+    ASSERT_EQ(filled.code, 0) << filled.err;
+    const auto json = nlohmann::json::parse(filled.out);
+    EXPECT_NEAR(json["slice"]["area_mm2"].get<double>(), 100, 1e-9);
+    EXPECT_EQ(json["files"].size(), 5u);
+    EXPECT_EQ(json["options"]["feed_mm_per_min"], 600);
+    EXPECT_NE(content_of(*this / (name + "-out/paths.gcode")).find("M83\n"), std::string::npos);
+    EXPECT_NE(content_of(*this / (name + "-out/paths.vtp")).find("PolyData"), std::string::npos);
+  }
+  write("open.svg", "<svg><path d=\"M0 0L9 0L9 9\"/></svg>\n");
+  expect_error(run({"fill", "open.svg"}), 3, "open.svg:1: a 'path' is open");
+  expect_error(run({"fill", "square.svg", "--feed", "600"}), 2, "--feed: is of --gcode only");
+}
+
 TEST_F(Cli, FillRefuses) {
   write("square.csv", "path,i,x,y\n0,0,0,0\n0,1,10,0\n0,2,10,10\n0,3,0,10\n");
   write("bow.csv", "path,i,x,y\n0,0,0,0\n0,1,10,10\n0,2,10,0\n0,3,0,10\n");
@@ -163,7 +214,16 @@ TEST_F(Cli, FillRefuses) {
   expect_error(run({"fill", "nan.csv"}), 3, "nan.csv:3: ");
   expect_error(run({"fill", "empty.csv"}), 3, "empty.csv: ");
   expect_error(run({"fill", "square.csv", "--spacing", "0"}), 2, "--spacing: ");
-  expect_error(run({"fill", "square.csv", "--pattern", "raster"}), 2, "--pattern: 'raster' is unknown");
+  expect_error(run({"fill", "square.csv", "--pattern", "rastr"}), 2, "--pattern: 'rastr' is unknown");
+  expect_error(run({"fill", "square.csv", "--connect", "dfs"}), 2, "--connect: 'dfs' is unknown");
+  expect_error(run({"fill", "square.csv", "--pattern", "zigzag", "--connect", "spiral"}), 2,
+               "--connect: is of the");
+  expect_error(run({"fill", "square.csv", "--pattern", "outline", "--least-void", "1"}), 2,
+               "--least-void: is of");
+  expect_error(run({"fill", "square.csv", "--angle", "30"}), 2, "--angle: is of the raster");
+  expect_error(run({"fill", "square.csv", "--pattern", "raster", "--max-link", "3"}), 2,
+               "--max-link: is of the");
+  expect_error(run({"fill", "square.csv", "--pattern", "zigzag", "--angle", "x"}), 2, "--angle: ");
   expect_error(run({"fill", "square.csv", "--spacing", "11"}), 4, "no path fits");
   EXPECT_EQ(names(), (std::set<std::string>{"square.csv", "bow.csv", "nan.csv", "empty.csv"}));
 }

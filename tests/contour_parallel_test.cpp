@@ -21,6 +21,7 @@ long rings_of(const Fill& fill) {
 FillReport judged(const Slice& slice, double most_underfill) {
   const Fill fill = contour_parallel(slice, {});
   const FillReport report = judge_fill(slice, fill.paths, 1);
+  EXPECT_EQ(crossings(fill.paths), 0);
   EXPECT_LT(report.outside, 2e-4);  // chords outside of hole arcs by up to the tolerance
   EXPECT_LT(report.underfill - report.unreachable, most_underfill);
   const auto boundary = boundary_of(slice);

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "fill/fill_path.h"
 #include "fill/slice.h"
 
 namespace afptraj::test {
@@ -99,6 +102,74 @@ inline std::vector<Polyline> boundary_of(const Slice& slice) {
   std::vector<Polyline> out;
   for (const SliceRing& ring : slice.rings()) out.push_back({ring.points, true});
   return out;
+}
+
+/// A closed curve round `centre` between 0.75 and 1.25 `radius`.
+inline std::vector<Vec2> blob(std::mt19937& random, const Vec2& centre, double radius, int n) {
+  std::uniform_real_distribution<double> phase(0, 2 * pi);
+  const double p2 = phase(random), p3 = phase(random), p5 = phase(random);
+  std::vector<Vec2> points;
+  for (int i = 0; i < n; ++i) {
+    const double t = 2 * pi * i / n;
+    const double r = radius * (1 + 0.11 * std::sin(2 * t + p2) + 0.08 * std::sin(3 * t + p3) +
+                               0.06 * std::sin(5 * t + p5));
+    points.push_back(centre + r * Vec2(std::cos(t), std::sin(t)));
+  }
+  return points;
+}
+
+/// Outlines with up to three holes each and islands in them, coarse or fine, in any sense.
+inline Slice random_slice(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<std::vector<Vec2>> rings;
+  const auto add = [&](const Vec2& centre, double radius) {
+    rings.push_back(blob(random, centre, radius, 12 + static_cast<int>(70 * unit(random))));
+    if (unit(random) < 0.5) rings.back() = reverse(rings.back());
+  };
+  const int outlines = 1 + static_cast<int>(2 * unit(random));
+  for (int k = 0; k < outlines; ++k) {
+    const Vec2 middle(40 * k, 5 * unit(random));
+    add(middle, 14);
+    for (int h = 0; h < 3; ++h) {
+      if (unit(random) < 0.3) continue;
+      const double t = 2 * pi * h / 3 + unit(random), radius = 1 + 2.5 * unit(random);
+      const Vec2 centre = middle + 5.8 * Vec2(std::cos(t), std::sin(t));
+      add(centre, radius);
+      if (radius > 2.5) add(centre, radius * 0.5);
+    }
+  }
+  return slice_of(rings);
+}
+
+/// Pieces of two paths, or of one, that cross beyond their ends.
+inline int crossings(const std::vector<FillPath>& paths) {
+  struct Piece {
+    Vec2 a, b;
+  };
+  std::vector<Piece> pieces;
+  for (const FillPath& path : paths) {
+    const auto& points = path.line.points;
+    for (std::size_t i = 0; i + (path.line.closed ? 0 : 1) < points.size(); ++i)
+      pieces.push_back({points[i], points[(i + 1) % points.size()]});
+  }
+  std::sort(pieces.begin(), pieces.end(), [](const Piece& p, const Piece& q) {
+    return std::min(p.a.x(), p.b.x()) < std::min(q.a.x(), q.b.x());
+  });
+  int count = 0;
+  const auto side = [](const Piece& p, const Vec2& q) { return cross((p.b - p.a).normalized(), q - p.a); };
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const double right = std::max(pieces[i].a.x(), pieces[i].b.x());
+    for (std::size_t j = i + 1; j < pieces.size() && std::min(pieces[j].a.x(), pieces[j].b.x()) < right;
+         ++j) {
+      constexpr double touch = 1e-7;
+      const double a = side(pieces[i], pieces[j].a), b = side(pieces[i], pieces[j].b),
+                   c = side(pieces[j], pieces[i].a), d = side(pieces[j], pieces[i].b);
+      if (std::min(std::abs(a), std::abs(b)) < touch || std::min(std::abs(c), std::abs(d)) < touch) continue;
+      count += a * b < 0 && c * d < 0;
+    }
+  }
+  return count;
 }
 
 }  // namespace afptraj::test
