@@ -1,7 +1,8 @@
 // Plans on parts drawn at random, judged: what holds on the samples must hold on parts nobody has seen.
 //
 // AFPTRAJ_RANDOM_PLANS=first:count plans that many, from that seed on, instead of the quick subset. A seed's
-// thousands tell the kind of part: 0 smooth ones, 1 rough panels, 2 with holes, 3 closed ones, 4 of two faces.
+// thousands tell the kind of part: 0 smooth ones, 1 rough panels, 2 with holes, 3 closed ones, 4 of two
+// faces.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -22,7 +23,9 @@ class Draw {
  public:
   explicit Draw(unsigned seed) : engine_(seed) {}
   // Not std::uniform_real_distribution, whose numbers differ between libraries.
-  double number(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(engine_()) / 4294967295.0; }
+  double number(double lo, double hi) {
+    return lo + (hi - lo) * static_cast<double>(engine_()) / 4294967295.0;
+  }
   int whole(int lo, int hi) { return lo + static_cast<int>(engine_() % static_cast<unsigned>(hi - lo + 1)); }
 
  private:
@@ -42,7 +45,8 @@ Surface drawn_waves(Draw& draw, double lowest, double highest) {
   for (int i = 0; i < waves; ++i) {
     const double length = draw.number(0.4, 2) * width, way = draw.number(0, pi);
     const double height = draw.number(lowest, highest) * length;
-    wave.push_back({height, 2 * pi / length * std::cos(way), 2 * pi / length * std::sin(way), draw.number(0, 2 * pi)});
+    wave.push_back(
+        {height, 2 * pi / length * std::cos(way), 2 * pi / length * std::sin(way), draw.number(0, 2 * pi)});
   }
   return height_field(width, depth, nu, nv, [&](double x, double y) {
     double sum = 0;
@@ -87,12 +91,15 @@ Drawn drawn_panel_with_holes(Draw& draw) {
 Drawn drawn_closed(Draw& draw) {
   const double r = draw.number(150, 500), z = draw.number(300, 1500);
   switch (draw.whole(0, 2)) {
-    case 0: return {"tube", make_skin(Surface::cylinder({}, r), {0, 2 * pi}, {0, z})};
+    case 0:
+      return {"tube", make_skin(Surface::cylinder({}, r), {0, 2 * pi}, {0, z})};
     case 1: {
       const double angle = draw.number(0.05, 0.6);
-      return {"frustum", make_skin(Surface::cone({}, r, angle), {0, 2 * pi}, {-0.4 * r / std::sin(angle), z})};
+      return {"frustum",
+              make_skin(Surface::cone({}, r, angle), {0, 2 * pi}, {-0.4 * r / std::sin(angle), z})};
     }
-    default: return {"dome", make_skin(Surface::sphere({}, 2 * r), {0, 2 * pi}, {draw.number(-0.2, 0.8), pi / 2})};
+    default:
+      return {"dome", make_skin(Surface::sphere({}, 2 * r), {0, 2 * pi}, {draw.number(-0.2, 0.8), pi / 2})};
   }
 }
 
@@ -101,7 +108,8 @@ Drawn drawn_two_faces(Draw& draw) {
   const Surface surface = drawn_waves(draw, 0.005, 0.04);
   const double cut = draw.number(0.3, 0.7);
   Part part = make_rectangular_part(surface, {0, cut}, {0, 1});
-  RectangularFace second = make_rectangular_face(surface, {cut, 1}, {0, 1}, static_cast<int>(part.edges.size()));
+  RectangularFace second =
+      make_rectangular_face(surface, {cut, 1}, {0, 1}, static_cast<int>(part.edges.size()));
   part.edges.insert(part.edges.end(), second.edges.begin(), second.edges.end());
   const int right = 1, left = 3;  // sides in the order of the loop
   second.face.loops[0].coedges[left].edge = part.faces[0].loops[0].coedges[right].edge;
@@ -136,18 +144,28 @@ Drawn drawn_cylinder(Draw& draw) {
 
 Drawn drawn_part(unsigned seed, Draw& draw) {
   switch (seed / 1000) {
-    case 1: return drawn_panel(draw, 0.03, 0.08);
-    case 2: return drawn_panel_with_holes(draw);
-    case 3: return drawn_closed(draw);
-    case 4: return drawn_two_faces(draw);
-    default: break;
+    case 1:
+      return drawn_panel(draw, 0.03, 0.08);
+    case 2:
+      return drawn_panel_with_holes(draw);
+    case 3:
+      return drawn_closed(draw);
+    case 4:
+      return drawn_two_faces(draw);
+    default:
+      break;
   }
   switch (seed % 8) {
-    case 0: return drawn_sphere(draw);
-    case 1: return drawn_torus(draw);
-    case 2: return drawn_cone(draw);
-    case 3: return drawn_cylinder(draw);
-    default: return drawn_panel(draw);
+    case 0:
+      return drawn_sphere(draw);
+    case 1:
+      return drawn_torus(draw);
+    case 2:
+      return drawn_cone(draw);
+    case 3:
+      return drawn_cylinder(draw);
+    default:
+      return drawn_panel(draw);
   }
 }
 
@@ -172,9 +190,9 @@ PlyOrientation drawn_ply(const Skin& skin, Draw& draw) {
 std::string describe(const Drawn& drawn, const Ply& ply) {
   const PlyReport& r = ply.report;
   std::ostringstream out;
-  out << drawn.name << ", W " << r.band_width_mm << ", " << ply.courses.size() << " courses, E " << r.spacing_error_mm
-      << " at (" << r.spacing.where.transpose() << ") on course " << r.spacing.worst_course << ", covered "
-      << r.covered_share << ", reached " << r.reached_share;
+  out << drawn.name << ", W " << r.band_width_mm << ", " << ply.courses.size() << " courses, E "
+      << r.spacing_error_mm << " at (" << r.spacing.where.transpose() << ") on course "
+      << r.spacing.worst_course << ", covered " << r.covered_share << ", reached " << r.reached_share;
   for (const LooseEnd& end : r.loose_ends)
     out << "\n  loose end of course " << end.course << " at (" << end.where.transpose() << ")";
   return out.str();
@@ -207,7 +225,8 @@ TEST_P(RandomPlans, HoldTheirLaws) {
   EXPECT_GE(r.covered_share + named / r.skin_area_mm2, 0.999);
 }
 
-/// The quick subset: of each kind a few, and those that showed a fault once.
+/// The quick subset: of each kind a few, and those that showed a fault once. Sanitizers, ten times slower,
+/// see the first only: the same code with other numbers.
 std::vector<unsigned> seeds() {
   if (const char* text = std::getenv("AFPTRAJ_RANDOM_PLANS")) {
     unsigned first = 1, count = 16;
@@ -216,17 +235,21 @@ std::vector<unsigned> seeds() {
     std::iota(out.begin(), out.end(), first);
     return out;
   }
-  return {0,   1,   2,   3,   4,                       // sphere, torus, cone, cylinder, panel
-          1001, 1004, 1008,                            // panels where fronts fold
-          2000, 2003, 2007,                            // with holes
-          3000, 3003, 3007,                            // closed
-          4000, 4003, 4007,                            // of two faces
-          19,  122, 130, 234, 243, 258, 290, 307, 330, 362,  // a path beyond the one rim came upon the other
-          45,                                          // rays ended or not by the rounding of whole bands
-          183,                                         // an extension without the end it started from
-          82,                                          // the end of the faired path had a kink
-          1013,                                        // slivers where three fronts meet nearly in one point
-          26,  43,  306};                              // the judge at focal points
+  return {
+      0,    1,    2,    3,   4,  // sphere, torus, cone, cylinder, panel
+      1001, 1004, 1008,          // panels where fronts fold
+      2000, 2003, 2007,          // with holes
+      3000, 3003, 3007,          // closed
+      4000, 4003, 4007,          // of two faces
+#ifndef __SANITIZE_ADDRESS__
+      19,   122,  130,  234, 243, 258, 290, 307, 330, 362,  // a path beyond the one rim came upon the other
+      45,               // rays ended or not by the rounding of whole bands
+      183,              // an extension without the end it started from
+      82,               // the end of the faired path had a kink
+      1013,             // slivers where three fronts meet nearly in one point
+      26,   43,   306,  // the judge at focal points
+#endif
+  };
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomPlans, testing::ValuesIn(seeds()));
 
