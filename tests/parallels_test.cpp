@@ -1,13 +1,14 @@
 #include "trajectory/parallels.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "boundary/clip.h"
 #include "geometry/curvature.h"
 #include "tests/specimens.h"
 #include "tests/tow_specimens.h"
+#include "trajectory/level_curve.h"
 #include "trajectory/path_fit.h"
 
 namespace afptraj {
@@ -73,7 +74,8 @@ double spacing_error(const Skin& skin, const Parallels& parallels, int* checked 
 TEST(Parallels, OfTheEquatorAreCirclesOfLatitude) {
   const double R = 1000;
   const Skin skin = make_skin(Surface::sphere({}, R), {0, 2 * pi}, {-pi / 2, pi / 2});
-  const Parallels p = geodesic_parallels(skin, uv_line(skin, Uv(0, 0), Uv(2 * pi, 0), true), options_for(skin));
+  const Parallels p =
+      geodesic_parallels(skin, uv_line(skin, Uv(0, 0), Uv(2 * pi, 0), true), options_for(skin));
   // The pole lies pi R / 2 = 30.92 W away: 30 circles on each side.
   ASSERT_EQ(p.levels.size(), 61u);
   for (const LevelCurve& level : p.levels) {
@@ -99,7 +101,10 @@ TEST(Parallels, OfAHelixAreHelicesAndMeetBehind) {
   const Skin skin = make_skin(Surface::cylinder({}, R), {0, 2 * pi}, {0, L});
   const double turn = L / R;  // 45 degrees
   const auto helix = std::make_shared<const SplinePath>(
-      skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, line_segment(Uv(1, 0), Uv(1 + turn, L), 0, L * std::sqrt(2.0))}}, false);
+      skin,
+      std::vector<SplinePath::Piece>{
+          {{0, 1, nullptr}, line_segment(Uv(1, 0), Uv(1 + turn, L), 0, L * std::sqrt(2.0))}},
+      false);
   const Parallels p = geodesic_parallels(skin, helix, options_for(skin));
   int left = 0, right = 0;
   for (const LevelCurve& level : p.levels) {
@@ -111,7 +116,8 @@ TEST(Parallels, OfAHelixAreHelicesAndMeetBehind) {
         for_each_midpoint(skin, s, [&](const CurveFrame& f) {
           EXPECT_NEAR(f.frame.tangent.z(), std::sqrt(0.5), 1e-8);
           // Helices at 45 degrees: phi R - z is constant along each, and grows by W sqrt 2 a course.
-          const double phase = f.frame.position.z() - R * std::atan2(f.frame.position.y(), f.frame.position.x()) + R;
+          const double phase =
+              f.frame.position.z() - R * std::atan2(f.frame.position.y(), f.frame.position.x()) + R;
           const double off = std::remainder(phase - level.number * W * std::sqrt(2.0), 2 * pi * R);
           EXPECT_NEAR(off, 0, 1e-6) << level.number;
         });
@@ -174,7 +180,8 @@ TEST(Parallels, FollowTheTrueDistanceWhereFrontsFold) {
   EXPECT_GT(checked, 2000);
 }
 
-/// A front ends inside the skin only where it meets another: both end at one point. Returns how many ends lie inside.
+/// A front ends inside the skin only where it meets another: both end at one point. Returns how many ends lie
+/// inside.
 int expect_ends_inside_in_pairs(const Skin& skin, const Parallels& parallels) {
   int count = 0;
   for (const LevelCurve& level : parallels.levels) {
@@ -203,7 +210,9 @@ TEST(Parallels, EndInsideOnlyInPairs) {
   const Skin tube = make_skin(Surface::cylinder({}, 350), {0, 2 * pi}, {0, 1000});
   const double turn = 1000.0 / 350;
   const auto helix = std::make_shared<const SplinePath>(
-      tube, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, line_segment(Uv(1, 0), Uv(1 + turn, 1000), 0, 1000 * std::sqrt(2.0))}},
+      tube,
+      std::vector<SplinePath::Piece>{
+          {{0, 1, nullptr}, line_segment(Uv(1, 0), Uv(1 + turn, 1000), 0, 1000 * std::sqrt(2.0))}},
       false);
   int ends = expect_ends_inside_in_pairs(
       bumpy, geodesic_parallels(bumpy, uv_line(bumpy, Uv(0, 0.5), Uv(1, 0.45)), options_for(bumpy)));
@@ -211,8 +220,9 @@ TEST(Parallels, EndInsideOnlyInPairs) {
   EXPECT_GT(ends, 10);
 }
 
-// The parallels of a closed path do not depend on where it starts: not on a crease of the surface either, where the
-// corners that waves fold into cut the level apart at the joint. Total lengths of every level agree.
+// The parallels of a closed path do not depend on where it starts: not on a crease of the surface either,
+// where the corners that waves fold into cut the level apart at the joint. Total lengths of every level
+// agree.
 TEST(Parallels, OfAClosedPathKnowNoStart) {
   const Skin skin = make_skin(nurbs_cylinder(350, 1500), {0, 4}, {0, 1});
   std::vector<double> lengths[2];
@@ -229,12 +239,15 @@ TEST(Parallels, OfAClosedPathKnowNoStart) {
       if (i == n) point.at = path.points.front().at;
       point.position = skin.point(point.at);
       point.direction = Vec3(-350 * std::sin(a), 350 * std::cos(a), -180 * std::sin(3 * a)).normalized();
-      point.s_mm = path.points.empty() ? 0 : path.points.back().s_mm + (point.position - path.points.back().position).norm();
+      point.s_mm = path.points.empty()
+                       ? 0
+                       : path.points.back().s_mm + (point.position - path.points.back().position).norm();
       path.points.push_back(point);
     }
     FitOptions fitting;
     fitting.fairness = 0;
-    const Parallels parallels = geodesic_parallels(skin, fit_path(skin, path, fitting).path, options_for(skin));
+    const Parallels parallels =
+        geodesic_parallels(skin, fit_path(skin, path, fitting).path, options_for(skin));
     expect_ends_inside_in_pairs(skin, parallels);
     for (const LevelCurve& level : parallels.levels) {
       double sum = 0;
@@ -247,23 +260,27 @@ TEST(Parallels, OfAClosedPathKnowNoStart) {
     }
   }
   ASSERT_EQ(lengths[0].size(), lengths[1].size());
-  // Two splines with other knots: 8 mm apart on waves of 733 mm they are off by 350^-4 60 8^4 / 384 or some 1e-6, and
-  // steeply crossing corners move by no more than ten times that.
+  // Two splines with other knots: 8 mm apart on waves of 733 mm they are off by 350^-4 60 8^4 / 384 or some
+  // 1e-6, and steeply crossing corners move by no more than ten times that.
   for (std::size_t k = 0; k < lengths[0].size(); ++k) EXPECT_NEAR(lengths[0][k], lengths[1][k], 1e-3) << k;
 }
 
-// The parallel at d of a parabola of least radius r < d meets itself on the axis, (d^2 / r + r) / 2 above the apex,
-// where the Jacobi field is 1 - (r / d)^2: it is cut there however young the swallowtail.
+// The parallel at d of a parabola of least radius r < d meets itself on the axis, (d^2 / r + r) / 2 above the
+// apex, where the Jacobi field is 1 - (r / d)^2: it is cut there however young the swallowtail.
 TEST(Parallels, MeetThemselvesJustBeyondAFocalPoint) {
   const Skin skin = make_skin(Surface::plane({}), {-300, 300}, {-100, 600});
   const double r = 200;
   for (const double d : {r + 0.2, r + 2.0}) {
     BSplineCurve2 parabola{2, {-300, -300, -300, 300, 300, 300}, {}, {}};
-    parabola.poles = {Uv(-300, 300 * 300 / (2 * r)), Uv(0, -300 * 300 / (2 * r)), Uv(300, 300 * 300 / (2 * r))};
+    parabola.poles = {Uv(-300, 300 * 300 / (2 * r)), Uv(0, -300 * 300 / (2 * r)),
+                      Uv(300, 300 * 300 / (2 * r))};
     ParallelOptions options = options_for(skin);
     options.front.spacing_mm = d / 4;
-    const Parallels p = geodesic_parallels(
-        skin, std::make_shared<const SplinePath>(skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, parabola}}, false), options);
+    const Parallels p =
+        geodesic_parallels(skin,
+                           std::make_shared<const SplinePath>(
+                               skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, parabola}}, false),
+                           options);
     expect_ends_inside_in_pairs(skin, p);
     const Vec3 meeting(0, 0.5 * (d * d / r + r), 0);
     int ends = 0;
@@ -276,12 +293,10 @@ TEST(Parallels, MeetThemselvesJustBeyondAFocalPoint) {
   }
 }
 
-// A course that comes back from a tight turn by 120 degrees ends at the edge so soon that the turn sweeps all that
-// its own rays reach: the next course must end where the continuation of that one crosses it, not beyond.
-TEST(Parallels, EndWhereACourseThatLeftTheSkinGoesOn) {
-  const Skin skin = make_skin(Surface::plane({}), {-6 * W, 2 * W}, {-2 * W, 1.1 * W});
-  const Uv back(-0.5, std::sqrt(0.75));
-  const double before = 6 * W, after = 1.1 * W / back.y();
+/// A path that comes from `before` away to the origin of (u, v), turns there within a few mm, and goes on for
+/// `after`; both legs are straight, or bent to the left by `bend` (1 / mm).
+std::shared_ptr<const SplinePath> hairpin(const Skin& skin, const Uv& there, const Uv& back, double before,
+                                          double after, double bend = 0) {
   BSplineCurve2 turn{3, {}, {}, {}};
   for (int i = 0; i < 3; ++i) turn.knots.push_back(-before);
   const int spans = 80;
@@ -289,26 +304,106 @@ TEST(Parallels, EndWhereACourseThatLeftTheSkinGoesOn) {
   for (int i = 0; i < 3; ++i) turn.knots.push_back(after);
   for (std::size_t i = 0; i + 4 < turn.knots.size(); ++i) {
     const double s = (turn.knots[i + 1] + turn.knots[i + 2] + turn.knots[i + 3]) / 3;
-    turn.poles.emplace_back(s < 0 ? Uv(s, 0) : Uv(s * back));
+    const Uv along = s < 0 ? there : back;
+    turn.poles.emplace_back(s * along + 0.5 * bend * s * s * Uv(-along.y(), along.x()));
   }
-  ParallelOptions options = options_for(skin);
-  options.geodesic.outside_limit_mm = 0;
-  options.geodesic.margin_mm = options.front.extension_margin_mm = 8;
-  const Parallels p = geodesic_parallels(
-      skin, std::make_shared<const SplinePath>(skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, turn}}, false), options);
-  expect_ends_inside_in_pairs(skin, p);
-  const Vec3 meeting(-std::sqrt(3.0) * W, W, 0);  // W from both straight lines
+  return std::make_shared<const SplinePath>(skin, std::vector<SplinePath::Piece>{{{0, 1, nullptr}, turn}},
+                                            false);
+}
+
+/// How many ends of level 1 lie at a place.
+int ends_of_level_one_at(const Skin& skin, const Parallels& p, const Vec3& place) {
   int ends = 0;
   for (const LevelCurve& level : p.levels)
     if (level.number == 1)
       for (const SurfaceCurve& curve : level.curves)
         for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()})
-          if ((skin.point(node->at) - meeting).norm() < 1e-6) ++ends;
-  EXPECT_EQ(ends, 2);
+          if ((skin.point(node->at) - place).norm() < 1e-6) ++ends;
+  return ends;
 }
 
-// A plate that steps down beside the start of the reference: course 1 goes on over the step, where the reference itself
-// has left the plate. What lies below is reached from there, from the other side of course 1 than its parallels lie on.
+// A course that comes back from a tight turn by 120 degrees ends at the edge so soon that the turn sweeps all
+// that its own rays reach: the next course must end where the continuation of that one crosses it, not
+// beyond.
+TEST(Parallels, EndWhereACourseThatLeftTheSkinGoesOn) {
+  const Skin skin = make_skin(Surface::plane({}), {-6 * W, 2 * W}, {-2 * W, 1.1 * W});
+  const Uv back(-0.5, std::sqrt(0.75));
+  ParallelOptions options = options_for(skin);
+  options.geodesic.outside_limit_mm = 0;
+  options.geodesic.margin_mm = options.front.extension_margin_mm = 8;
+  const Parallels p =
+      geodesic_parallels(skin, hairpin(skin, Uv::UnitX(), back, 6 * W, 1.1 * W / back.y()), options);
+  expect_ends_inside_in_pairs(skin, p);
+  const Vec3 meeting(-std::sqrt(3.0) * W, W, 0);  // W from both straight lines
+  EXPECT_EQ(ends_of_level_one_at(skin, p, meeting), 2);
+}
+
+/// The place in (u, v) where two ends of level 1 meet.
+std::optional<Uv> meeting_of_level_one(const Skin& skin, const Parallels& p) {
+  std::vector<SurfacePoint> ends;
+  for (const LevelCurve& level : p.levels)
+    if (level.number == 1)
+      for (const SurfaceCurve& curve : level.curves)
+        for (const CurveNode* node : {&curve.pieces.front().front(), &curve.pieces.back().back()}) {
+          for (const SurfacePoint& other : ends)
+            if ((skin.point(other) - skin.point(node->at)).norm() < 1e-6) return node->at.uv;
+          ends.push_back(node->at);
+        }
+  return std::nullopt;
+}
+
+// A plate folded back by 150 degrees is isometric to the flat one: fronts meet where they do there, however
+// close to the fold that is and on whichever side. The legs are bent, so that chords do not tell the place.
+TEST(Parallels, MeetBesideASharpFold) {
+  const double lo = -8 * W, hi = 8 * W, folded = 150 * pi / 180;
+  const auto parallels = [&](const Skin& skin) {
+    ParallelOptions options = options_for(skin);
+    options.max_levels = 1;
+    options.front.sample_mm = 16;
+    return geodesic_parallels(skin, hairpin(skin, Uv(0.98, 0.2), Uv(-0.66, 0.75), 6 * W, 6 * W, -1 / (4 * W)),
+                              options);
+  };
+  const Skin flat = make_skin(Surface::plane({}), {lo, hi}, {lo, hi});
+  const auto meeting = meeting_of_level_one(flat, parallels(flat));
+  ASSERT_TRUE(meeting);
+  for (const double beside : {-0.3, -0.03, -0.003, 0.003, 0.03, 0.3}) {
+    const double fold = meeting->y() + beside;
+    BSplineSurface s;
+    s.degree_u = s.degree_v = 1;
+    s.knots_u = {lo, lo, hi, hi};
+    s.knots_v = {lo, lo, fold, hi, hi};
+    for (const double x : {lo, hi}) {
+      s.poles.emplace_back(x, lo, 0);
+      s.poles.emplace_back(x, fold, 0);
+      s.poles.emplace_back(x, fold + (hi - fold) * std::cos(folded), (hi - fold) * std::sin(folded));
+    }
+    const Skin skin = make_skin(Surface::bspline(s), {lo, hi}, {lo, hi});
+    const auto there = meeting_of_level_one(skin, parallels(skin));
+    ASSERT_TRUE(there) << beside;
+    EXPECT_LT((*there - *meeting).norm(), 1e-6) << beside;
+  }
+}
+
+// A cell whose derivatives belong to a parameter 50 times too long makes a loop of 14 times its chord.
+TEST(Parallels, LevelCurvesDoNotLoop) {
+  const Skin skin = make_skin(Surface::plane({}), {-10, 10}, {-10, 10});
+  const auto node = [](double t, double x, double speed) {
+    return CurveNode{t, {0, Uv(x, 0)}, Uv(speed, 0)};
+  };
+  const SurfaceCurve curve{{{node(0, 0, 1), node(2, 2, 1), node(2.01, 2.01, 50), node(4, 4, 1)}}, false};
+  const auto length = [&](const SurfaceCurve& c) {
+    double sum = 0;
+    for (const auto& piece : c.pieces)
+      for (std::size_t i = 0; i + 1 < piece.size(); ++i) sum += arc_length(skin, piece, i, 0, 1);
+    return sum;
+  };
+  EXPECT_GT(length(curve), 20);
+  EXPECT_NEAR(length(without_loops(skin, curve)), 4, 1e-9);
+}
+
+// A plate that steps down beside the start of the reference: course 1 goes on over the step, where the
+// reference itself has left the plate. What lies below is reached from there, from the other side of course 1
+// than its parallels lie on.
 TEST(Parallels, ReachWhatLiesBehindAnExtension) {
   Part part = make_rectangular_part(Surface::plane({}), {-6 * W, 6 * W}, {-4 * W, 4 * W});
   part.faces[0].loops = {polygon_loop({{0, 0},
@@ -340,8 +435,8 @@ TEST(Parallels, ReachWhatLiesBehindAnExtension) {
   EXPECT_LE(farthest, W);
 }
 
-/// 0.4 x 0.6 m, flat but for a lip of 0.01 mm that stands up on the edge v = 0: there the parametrisation is a hundred
-/// times slower than a few millimetres away and turns by a right angle, as at the lip of a nacelle.
+/// 0.4 x 0.6 m, flat but for a lip of 0.01 mm that stands up on the edge v = 0: there the parametrisation is
+/// a hundred times slower than a few millimetres away and turns by a right angle, as at the lip of a nacelle.
 Surface lipped_surface() {
   BSplineSurface s;
   s.degree_u = 1;
@@ -355,7 +450,8 @@ Surface lipped_surface() {
   return Surface::bspline(s);
 }
 
-// Where the parametrisation changes its speed within a sample, rays are added until the cubic between them follows.
+// Where the parametrisation changes its speed within a sample, rays are added until the cubic between them
+// follows.
 TEST(Parallels, FollowASurfaceThatNearlyShrinksToItsEdge) {
   const Skin skin = make_skin(lipped_surface(), {0, 1}, {0, 1});
   ParallelOptions options = options_for(skin);

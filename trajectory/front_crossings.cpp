@@ -12,53 +12,87 @@
 namespace afptraj {
 namespace {
 
-constexpr double solved_mm = 1e-9;    // along the skin
-constexpr double floor_mm = 1e-6;     // rays metres long, on parts of tens of metres, repeat no better than some 1e-7
+constexpr double solved_mm = 1e-9;  // along the skin
+constexpr double floor_mm =
+    1e-6;  // rays metres long, on parts of tens of metres, repeat no better than some 1e-7
 constexpr double accepted_mm = 1e-4;  // off it: faces that join within the tolerance of the import
 
+/// A place on a front, seen in space.
+struct Node {
+  double t = 0;
+  Vec3 position, normal;
+};
+
+/// Between two rays, or a part of it: round an edge or a tight bend a chord is split until its normals agree.
 struct Chord {
   StrandPlace place;
   std::size_t i = 0;  ///< from ray i to i + 1
-  Vec3 a, b, na, nb;
+  Node a, b;
+  Vec3 along() const { return b.position - a.position; }
 };
 
-std::vector<Chord> chords_of(const std::array<const Front*, 2>& fronts) {
-  std::vector<Chord> out;
-  for (int f = 0; f < 2; ++f) {
-    if (!fronts[static_cast<std::size_t>(f)]) continue;
-    const Front& front = *fronts[static_cast<std::size_t>(f)];
-    for (std::size_t s = 0; s < front.strands().size(); ++s) {
-      const auto& rays = front.strands()[s].rays;
-      PathFrame last = frame_of(front.skin(), rays.front().state);
-      for (std::size_t i = 0; i + 1 < rays.size(); ++i) {
-        const PathFrame next = frame_of(front.skin(), rays[i + 1].state);
-        out.push_back({{f, s}, i, last.position, next.position, last.normal, next.normal});
-        last = next;
+bool agree(const Node& a, const Node& b) { return a.normal.dot(b.normal) >= 0.5; }
+
+class ChordMaker {
+ public:
+  ChordMaker(const std::array<const Front*, 2>& fronts, int level) : level_(level) {
+    for (int f = 0; f < 2; ++f) {
+      if (!fronts[static_cast<std::size_t>(f)]) continue;
+      const Front& front = *fronts[static_cast<std::size_t>(f)];
+      for (std::size_t s = 0; s < front.strands().size(); ++s) {
+        const auto& rays = front.strands()[s].rays;
+        Node last = node(front, rays.front());
+        for (std::size_t i = 0; i + 1 < rays.size(); ++i) {
+          const Node next = node(front, rays[i + 1]);
+          add(front, {{f, s}, i, last, next});
+          last = next;
+        }
       }
     }
   }
-  return out;
-}
+  std::vector<Chord> take() { return std::move(chords_); }
 
-/// Where two chords pass over each other, seen along the normal: x on a, y on b. A chord over a sharp edge has no
-/// normal; then seen along the line at right angles to both.
+ private:
+  static Node node(const Front& front, const Ray& ray) {
+    const PathFrame frame = frame_of(front.skin(), ray.state);
+    return {ray.t, frame.position, frame.normal};
+  }
+
+  void add(const Front& front, Chord chord) {
+    constexpr double edge_mm = 1e-7;
+    while (!agree(chord.a, chord.b)) {
+      Node in = chord.a, out = chord.b;
+      while ((out.position - in.position).norm() > edge_mm) {
+        bool alive = false;
+        const double t = 0.5 * (in.t + out.t);
+        const Ray mid = front.shoot(front.strands()[chord.place.strand].source, t, level_, &alive);
+        if (!alive || t == in.t || t == out.t) break;
+        const Node at = node(front, mid);
+        (agree(chord.a, at) ? in : out) = at;
+      }
+      if (in.t > chord.a.t) chords_.push_back({chord.place, chord.i, chord.a, in});
+      if (out.t == chord.b.t) return;
+      chord.a = out;
+    }
+    chords_.push_back(chord);
+  }
+
+  int level_;
+  std::vector<Chord> chords_;
+};
+
+/// Where two chords pass over each other, seen along the normal: x on a, y on b.
 bool pass_over(const Chord& A, const Chord& B, double& x, double& y) {
   constexpr double slack = 0.05;  // chords beside the vertex that the curves cross at
-  const Vec3 da = A.b - A.a, db = B.b - B.a, r = B.a - A.a;
-  const auto over_edge = [](const Chord& c) { return c.na.dot(c.nb) < 0.5; };
-  Vec3 n = da.cross(db).normalized();
-  if (!over_edge(A) && !over_edge(B)) {
-    const Vec3 na = (A.na + A.nb).normalized(), nb = (B.na + B.nb).normalized();
-    if (na.dot(nb) <= 0.5) return false;
-    n = (na + nb).normalized();
-  }
+  const Vec3 na = (A.a.normal + A.b.normal).normalized(), nb = (B.a.normal + B.b.normal).normalized();
+  if (na.dot(nb) <= 0.5) return false;
+  const Vec3 n = (na + nb).normalized(), da = A.along(), db = B.along(), r = B.a.position - A.a.position;
   const double cross = n.dot(da.cross(db));
   if (std::abs(cross) <= 1e-12 * da.norm() * db.norm()) return false;
   x = n.dot(r.cross(db)) / cross;
   y = n.dot(r.cross(da)) / cross;
   if (x < -slack || x > 1 + slack || y < -slack || y > 1 + slack) return false;
-  const Vec3 gap = A.a + x * da - B.a - y * db;
-  return std::abs(gap.dot(n)) <= 0.5 * std::max(da.norm(), db.norm());
+  return std::abs((x * da - r - y * db).dot(n)) <= 0.5 * std::max(da.norm(), db.norm());
 }
 
 /// Indices of chords by the cells that their boxes touch.
@@ -86,9 +120,10 @@ class ChordHash {
  private:
   template <typename Body>
   void for_each_cell(const Chord& chord, Body body) const {
-    const double pad = 0.5 * (chord.b - chord.a).norm();
+    const Vec3 &a = chord.a.position, &b = chord.b.position;
+    const double pad = 0.5 * (b - a).norm();
     const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
-    const Vec3 lo = chord.a.cwiseMin(chord.b).array() - pad, hi = chord.a.cwiseMax(chord.b).array() + pad;
+    const Vec3 lo = a.cwiseMin(b).array() - pad, hi = a.cwiseMax(b).array() + pad;
     for (auto i = cell(lo.x()); i <= cell(hi.x()); ++i)
       for (auto j = cell(lo.y()); j <= cell(hi.y()); ++j)
         for (auto k = cell(lo.z()); k <= cell(hi.z()); ++k)
@@ -169,10 +204,10 @@ class CrossingSolver {
   int level_;
 };
 
-/// Whether two chords follow each other over a link, on fronts that run forward: like neighbours within a strand
-/// they meet at that point only, where Newton-Raphson has no hold (the curves are tangent there).
+/// Whether two chords follow each other over a link, on fronts that run forward: like neighbours within a
+/// strand they meet at that point only, where Newton-Raphson has no hold (the curves are tangent there).
 bool follow_over_link(const std::array<const Front*, 2>& fronts, const Chord& A, const Chord& B) {
-  if (A.place.front != B.place.front || (A.b - A.a).dot(B.b - B.a) <= 0) return false;
+  if (A.place.front != B.place.front || A.along().dot(B.along()) <= 0) return false;
   const auto& strands = fronts[static_cast<std::size_t>(A.place.front)]->strands();
   const Strand &a = strands[A.place.strand], &b = strands[B.place.strand];
   const auto forward = [](const Strand& s, std::size_t i) {
@@ -180,8 +215,8 @@ bool follow_over_link(const std::array<const Front*, 2>& fronts, const Chord& A,
   };
   if (!forward(a, A.i) || !forward(b, B.i)) return false;
   const auto links = [](const Strand& s, std::size_t i, const Strand& t, std::size_t j) {
-    return i + 2 == s.rays.size() && j == 0 && s.end[1] == StrandEnd::linked && t.end[0] == StrandEnd::linked &&
-           s.link[1] == t.link[0];
+    return i + 2 == s.rays.size() && j == 0 && s.end[1] == StrandEnd::linked &&
+           t.end[0] == StrandEnd::linked && s.link[1] == t.link[0];
   };
   return links(a, A.i, b, B.i) || links(b, B.i, a, A.i);
 }
@@ -207,7 +242,7 @@ bool at_link(const std::array<const Front*, 2>& fronts, const FrontCrossing& x) 
 }  // namespace
 
 std::vector<FrontCrossing> front_crossings(const std::array<const Front*, 2>& fronts, int level) {
-  const std::vector<Chord> chords = chords_of(fronts);
+  const std::vector<Chord> chords = ChordMaker(fronts, level).take();
   if (chords.empty()) return {};
   const CrossingSolver solver(fronts, level);
   std::vector<FrontCrossing> out;
@@ -217,15 +252,13 @@ std::vector<FrontCrossing> front_crossings(const std::array<const Front*, 2>& fr
       std::swap(found->ray[0], found->ray[1]);
     for (const FrontCrossing& known : out)
       if (known.place[0] == found->place[0] && known.place[1] == found->place[1] &&
-          std::abs(known.ray[0].t - found->ray[0].t) < 1e-6 && std::abs(known.ray[1].t - found->ray[1].t) < 1e-6)
+          std::abs(known.ray[0].t - found->ray[0].t) < 1e-6 &&
+          std::abs(known.ray[1].t - found->ray[1].t) < 1e-6)
         return;
     out.push_back(*found);
   };
-  const auto ray = [&](const Chord& c, std::size_t i) -> const Ray& {
-    return fronts[static_cast<std::size_t>(c.place.front)]->strands()[c.place.strand].rays[i];
-  };
-  const auto t_at = [&](const Chord& c, double x) {
-    return ray(c, c.i).t + std::clamp(x, 0.0, 1.0) * (ray(c, c.i + 1).t - ray(c, c.i).t);
+  const auto t_at = [](const Chord& c, double x) {
+    return c.a.t + std::clamp(x, 0.0, 1.0) * (c.b.t - c.a.t);
   };
   const double cell = 2 * (fronts[0] ? fronts[0] : fronts[1])->options().sample_mm;
   struct Seed {
@@ -258,11 +291,13 @@ std::vector<FrontCrossing> front_crossings(const std::array<const Front*, 2>& fr
         while (j + 1 < rays.size() && rays[j].state.y <= 0) ++j;
         if (rays[j].state.y <= 0) break;
         const StrandPlace place{f, s};
-        const double c0 = solver.focal(place, rays[i - 1].t, rays[i].t), c1 = solver.focal(place, rays[j].t, rays[j - 1].t);
+        const double c0 = solver.focal(place, rays[i - 1].t, rays[i].t),
+                     c1 = solver.focal(place, rays[j].t, rays[j - 1].t);
         for (const double reach : {std::sqrt(3.0), 1.4, 2.2}) {
           const double half = 0.5 * (c1 - c0) * reach, mid = 0.5 * (c0 + c1);
           const std::size_t known = out.size();
-          take(solver.solve(place, std::max(mid - half, rays.front().t), place, std::min(mid + half, rays.back().t)));
+          take(solver.solve(place, std::max(mid - half, rays.front().t), place,
+                            std::min(mid + half, rays.back().t)));
           if (out.size() > known) break;
         }
       }

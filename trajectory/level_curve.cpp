@@ -16,7 +16,8 @@ class CurveBuilder {
       : skin_(tracer.skin()), front_(front), level_(level) {}
 
   void begin_strand(int source, double offset) {
-    if (source != source_ || std::abs(offset - offset_) > 1e-9) last_source_ = -1;  // also round a closed source
+    if (source != source_ || std::abs(offset - offset_) > 1e-9)
+      last_source_ = -1;  // also round a closed source
     source_ = source;
     offset_ = offset;
   }
@@ -47,9 +48,8 @@ class CurveBuilder {
   }
 
   SurfaceCurve take(bool closed) {
-    std::erase_if(curve_.pieces, [](const auto& piece) { return piece.size() < 2; });
     curve_.closed = closed;
-    return std::move(curve_);
+    return without_loops(skin_, curve_);
   }
 
  private:
@@ -60,9 +60,9 @@ class CurveBuilder {
   }
   void push(const CurveNode& node) { curve_.pieces.back().push_back(node); }
 
-  /// Whether the cubic between two nodes runs straight enough to be a curve between samples: an arc that turns by a
-  /// is longer than its chord by a^2 / 24 of it, 3 % at 48 degrees. More only asks for rays between; the bound is chosen,
-  /// not derived.
+  /// Whether the cubic between two nodes runs straight enough to be a curve between samples: an arc that
+  /// turns by a is longer than its chord by a^2 / 24 of it, 3 % at 48 degrees. More only asks for rays
+  /// between; the bound is chosen, not derived.
   bool follows(const CurveNode& a, const CurveNode& b) const {
     const double arc = arc_length(skin_, {a, b}, 0, 0, 1);
     const double chord = (skin_.point(a.at) - skin_.point(b.at)).norm();
@@ -94,7 +94,8 @@ class CurveBuilder {
   /// From ray `from` (whose node is in place) to ray `to` over one or more passages.
   void pass_over(const Ray& from, const Ray& to, int depth) {
     Ray a = from, b = to;
-    std::vector<Ray> before, after;  // rays on the chart of `from`, of `to`: the way there, where it is no smooth cubic
+    std::vector<Ray> before,
+        after;  // rays on the chart of `from`, of `to`: the way there, where it is no smooth cubic
     for (int i = 0; i < 60; ++i) {
       const CurveNode na = node_of(a), nb = node_of(b);
       if ((skin_.point(na.at) - skin_.point(nb.at)).norm() < bracket_mm || b.t - a.t < 1e-9) break;
@@ -142,7 +143,8 @@ class CurveBuilder {
   }
 
   /// Where the curve leaves the face of `a` for that of `b`: along the tangent, or where a stands on the
-  /// edge (between faces that gap neighbouring rays never come closer than the gap) at the nearest place of it.
+  /// edge (between faces that gap neighbouring rays never come closer than the gap) at the nearest place of
+  /// it.
   std::optional<LoopCrossing> way_out(const CurveNode& a, const CurveNode& b) const {
     const TrimRegion& trim = skin_.trim(a.at.face);
     const auto leads_to_b = [&](const LoopCrossing& hit) {
@@ -212,12 +214,36 @@ std::optional<Link> partner(const std::vector<Strand>& strands, std::size_t i, i
   if (strands[i].end[e] != StrandEnd::linked) return std::nullopt;
   for (std::size_t j = 0; j < strands.size(); ++j)
     for (int f = 0; f < 2; ++f)
-      if ((j != i || f != e) && strands[j].end[f] == StrandEnd::linked && strands[j].link[f] == strands[i].link[e])
+      if ((j != i || f != e) && strands[j].end[f] == StrandEnd::linked &&
+          strands[j].link[f] == strands[i].link[e])
         return Link{j, f};
   return std::nullopt;
 }
 
+bool loops(const Skin& skin, const CurveNode& a, const CurveNode& b) {
+  constexpr double noise_mm = 1e-6;
+  return arc_length(skin, {a, b}, 0, 0, 1) > 1.5 * (skin.point(a.at) - skin.point(b.at)).norm() + noise_mm;
+}
+
 }  // namespace
+
+SurfaceCurve without_loops(const Skin& skin, const SurfaceCurve& curve) {
+  SurfaceCurve out;
+  out.closed = curve.closed;
+  for (const auto& piece : curve.pieces) {
+    out.pieces.emplace_back();
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      out.pieces.back().push_back(piece[i]);
+      if (i + 1 == piece.size() || !loops(skin, piece[i], piece[i + 1])) continue;
+      CurveNode a = piece[i], b = piece[i + 1];
+      a.duv = b.duv = (b.at.uv - a.at.uv) / (b.t - a.t);
+      out.pieces.push_back({a, b});
+      out.pieces.emplace_back();
+    }
+  }
+  std::erase_if(out.pieces, [](const auto& piece) { return piece.size() < 2; });
+  return out;
+}
 
 std::vector<ChainedCurve> level_curves(const GeodesicTracer& tracer, const Front& front, int level) {
   const auto& strands = front.strands();

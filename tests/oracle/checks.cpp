@@ -84,19 +84,60 @@ DistanceResult distance_round(const Skin& skin, const Segment& k, const Foot& p,
 
 // Where a front folds several feet lie close together, and the one found from the nearest chord need not be
 // the nearest. A distance of more than the band asks for others, from places along the segment on either
-// side.
+// side; first as far as the chord says, then, as round a lip a chord says little, as far as the band.
 DistanceResult nearest_foot(const Skin& skin, const Segment& k, const Foot& p, double s0, DistanceResult best,
                             double band_mm) {
   constexpr int seeds = 16;
   using Kind = DistanceResult::Kind;
   if (best.kind == Kind::found && best.distance < band_mm + 1e-5) return best;
-  for (int i = 1; i <= seeds; ++i)
-    for (const double side : {-1.0, 1.0}) {
-      const double s = s0 + side * 0.5 * band_mm * i / seeds;
+  const auto take = [&](const DistanceResult& d) {
+    if (d.kind == Kind::found && (best.kind != Kind::found || d.distance < best.distance)) best = d;
+  };
+  for (const bool by_chord : {true, false}) {
+    for (int i = -seeds; i <= seeds; ++i) {
+      const double s = s0 + 0.5 * band_mm * i / seeds;
       if (s <= k.samples.front().s || s >= k.samples.back().s) continue;
-      const DistanceResult d = geodesic_distance(skin, k, p, s);
-      if (d.kind == Kind::found && (best.kind != Kind::found || d.distance < best.distance)) best = d;
+      if (by_chord) {
+        if (i != 0) take(geodesic_distance(skin, k, p, s));
+      } else {
+        for (const int side : {-1, 1}) take(geodesic_distance(skin, k, p, s, band_mm, side));
+      }
     }
+    if (best.kind == Kind::found && best.distance < band_mm + 1e-5) break;
+  }
+  return best;
+}
+
+// The least length of a geodesic from `end` to p, found from directions on either side of the chord; infinite where none
+// leads there.
+double way_to_end(const Skin& skin, const Sample& end, const Foot& p, double expected) {
+  const Foot start = skin.nearest(end.x, &end.at, 1e-3);
+  if (start.face < 0) return 1e300;
+  const Vec n = oriented(skin, start, end.n);
+  Vec chord = p.point - start.point;
+  chord = chord - n * (n * chord);
+  if (chord.Modulus() < 1e-9) return 1e300;
+  chord.Normalize();
+  const auto turned = [&](double angle) { return chord * std::cos(angle) + (n ^ chord) * std::sin(angle); };
+  double best = 1e300;
+  for (int seed = -8; seed <= 8; ++seed) {
+    double angle = 0.08 * seed, d = expected;
+    for (int iteration = 0; iteration < 15; ++iteration) {
+      const Shot shot = shoot(skin, start, n, turned(angle), d, 0, {1e-7, 0});
+      if (shot.length < d * (1 - 1e-9)) break;
+      const Vec r = p.point - shot.at.point, aside = shot.normal ^ shot.tangent;
+      if (r.Modulus() < 1e-5) {
+        best = std::min(best, d);
+        break;
+      }
+      constexpr double turn = 1e-5;
+      const Shot beside = shoot(skin, start, n, turned(angle + turn), d, 0, {1e-7, 0});
+      const double spread = (beside.at.point - shot.at.point) * aside / turn;
+      if (std::abs(spread) < 1e-3 * d) break;
+      angle += std::clamp(r * aside / spread, -0.3, 0.3);
+      d += std::clamp(r * shot.tangent, -0.3 * d, 0.3 * d);
+    }
+  }
   return best;
 }
 
@@ -316,6 +357,7 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         DistanceResult best;
         bool beyond = false, open = false, faced = false;
         double nearest_end = 1e300, nearest_line = 1e300;
+        std::vector<ChordHit> past_ends;
         for (const ChordHit& hit : index.near(p.point, 1.5 * band_mm, 2 * band_mm)) {
           const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
           const double s0 = k.samples[hit.i].s + hit.x * (k.samples[hit.i + 1].s - k.samples[hit.i].s);
@@ -325,6 +367,7 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
           if (facing) d = nearest_foot(skin, k, p, s0, d, band_mm);
           if (d.kind == DistanceResult::Kind::beyond_end) {
             beyond = true;
+            if (facing) past_ends.push_back(hit);
             nearest_end = std::min(nearest_end, arc_of(hit.distance, cosine));
             nearest_line = std::min(nearest_line, off_tangent(k, p, arc_of(hit.distance, cosine), hit));
           }
@@ -346,6 +389,18 @@ SpacingCheck check_spacing(const Skin& skin, const PlyPaths& ply, double band_mm
         // Nearer than the foot, but not nearer than W, lies an end, or what goes on beyond it off the skin:
         // beside a foot farther off there is none.
         if (nearest_end >= band_mm && std::min(nearest_end, nearest_line) < best.distance) {
+          ++check.beyond_end;
+          continue;
+        }
+        // Chords tell how far an end is only roughly: what matters is measured.
+        double way = 1e300;
+        if (best.distance > band_mm + 1e-4)
+          for (const ChordHit& hit : past_ends) {
+            const Segment& k = ply.segments[static_cast<std::size_t>(hit.segment)];
+            const bool at_last = 2 * hit.i + 2 > k.samples.size();
+            way = std::min(way, way_to_end(skin, at_last ? k.samples.back() : k.samples.front(), p, band_mm));
+          }
+        if (way >= band_mm - 1e-4 && way < best.distance) {
           ++check.beyond_end;
           continue;
         }
